@@ -29,7 +29,7 @@ def test_a_sweep_over_one_key_is_the_single_passes(
     assert called(*swept, *files, f"--plot={tmp_path / 'lines.svg'}") == 0
     shown = capsys.readouterr().out.splitlines()
     assert "2 points lack results" in shown[0]
-    assert ("the simulation in time agrees" in shown[0]) is not by_scene
+    assert ("the time-domain simulation agrees" in shown[0]) is not by_scene
     assert "the tip reverses its slip" in shown[0]
     assert all(len(line) <= 100 for line in shown[1:])
     rows = list(csv.DictReader((tmp_path / "sweep.csv").read_text(encoding="utf-8").splitlines()))

@@ -62,7 +62,7 @@ def test_everything_agrees_at_the_operating_point():
     assert MEASURED == 1.3e-4
     assert found.answer == (
         "The simulated contact cuts 104 µm to 172 µm and Merchant's plies cut 139 µm (printed 140 µm); measured are 130 µm."
-        " Work and energy give 9.65 mm, the ratio of sums printed in their place (4.66) 75.8 µm."
+        " Work and energy give 9.65 mm, the ratio of sums printed in their place (eq. 4.66) 75.8 µm."
     )
     assert found.extra["measured_crater_depth"] == 1.3e-4
 

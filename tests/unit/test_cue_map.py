@@ -45,13 +45,13 @@ def test_the_answer_names_the_place_and_the_strike_where_the_bar_stands():
     answer = cue_map(Tool(), Settings(), with_reference=False).answer
     assert answer.startswith(
         "For a radial strike the bar must stand at 68.14° from the workpart's normal, 51.20 mm before the hub's axis and 20.54 mm below it; there"
-        " the tip is also fastest, 38 m/s. In its present place, at 65.93° as printed, the strike is 2.74° short of radial; the simulation in time agrees to "
+        " the tip is also fastest, 38 m/s. In its present place, at 65.93° as printed, the strike is 2.74° short of radial; the time-domain simulation agrees to "
     )
     beyond = cue_map(
         Tool(bar=Bar(horizontal=0.0515, vertical=0.0198)), Settings(), with_reference=False
     ).answer
     assert re.search(
-        r"In its present place, at 68\.97°, the strike is [\d.]+° beyond radial; the simulation in time",
+        r"In its present place, at 68\.97°, the strike is [\d.]+° beyond radial; the time-domain simulation",
         beyond,
     )
     away = cue_map(

@@ -83,7 +83,7 @@ def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
     assert per_radian[-1] == "no strike"
     assert per_degree[2:] == ("66.56", "67.43", "1.97", "2.74")
     assert cued.answer == (
-        "To release the wire for its highest speed the bar must stand at 66.56°, 0.869° less than the formula's 67.43° (printed: 65.93°); a whole pass with the bar"
+        "A release that is fastest at the strike needs the bar at 66.56°, 0.869° less than the formula's 67.43° (printed: 65.93°); a whole pass with the bar"
         " there strikes 1.97° short of radial."
     )
 
@@ -93,7 +93,7 @@ def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
     [
         (
             Tool(belt=Belt(stiffness=0.00041)),
-            "To release the wire for its highest speed the bar must stand at 114.33°.* there has no cued strike",
+            "A release that is fastest at the strike needs the bar at 114.33°.* there has no cued strike",
         ),
         (Tool(belt=Belt(stiffness=0.0519)), r"strikes 0\.297° short of radial"),
     ],

@@ -35,7 +35,7 @@ class TestStart:
         """Bar at 111.6 deg, where a search found the radial strike of a wire of 40 mm: the hub is then at -gamma."""
         tool = Tool().replace(bristle_length=0.04, bar_horizontal=0.05129, bar_vertical=-0.02031)
         report = whole_pass(tool, SETTINGS, with_reference=True)
-        assert "No bar releases" not in report.answer
+        assert "no bar touches" not in report.answer
         assert {each.ok for each in report.quantities if each.reference is not None} == {True}
         # A bar that is rounded to 10 um turns the strike by up to 1e-3 rad.
         struck = tool.start_hub_angle + 261.8 * value("contact_time", report)
@@ -114,7 +114,7 @@ class TestAnswer:
             (Tool(workpart=None), r"does not strike the workpart: the tool has no workpart"),
             (
                 Tool(bar=None),
-                r"No bar releases the bristle; it strikes at [\d.]+ ms, radial, turning with the hub, its tip at 14\.3 m/s,",
+                r"The bristle, which no bar touches, strikes at [\d.]+ ms, radial, turning with the hub, its tip at 14\.3 m/s,",
             ),
             (Tool(workpart=Workpart(restitution=0.0)), "; the tip stays"),
         ],

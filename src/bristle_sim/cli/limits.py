@@ -68,4 +68,4 @@ def limits_in_words(declared: Range, low: float, high: float, changes: Sequence[
         return f"{between} does not change."
     doubtful = [displayed(declared, each.at) for each in changes if not each.confirmed]
     scene = f"does not confirm {', '.join(doubtful)}" if doubtful else "agrees on both sides"
-    return f"{between} changes {', '.join(places)}; the simulation in time {scene}."
+    return f"{between} changes {', '.join(places)}; the time-domain simulation {scene}."

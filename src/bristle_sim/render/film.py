@@ -260,7 +260,7 @@ def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
 
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
-    """Return the times of the frames, with a progress bar while they are drawn.
+    """Yield the time of each frame in turn, and show a progress bar meanwhile.
 
     The progress bar needs a terminal as standard error, and the package tqdm.
     """

@@ -99,7 +99,7 @@ def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
 
 @dataclass(frozen=True, slots=True)
 class BarPair:
-    """The bar, a fixed circle, and a link of the wire.
+    """A pair of the bar, which is a fixed circle, and one link of the wire.
 
     The link's centre line stays at least ``radius + wire_radius`` from the circle's ``centre``. The
     attributes from ``friction`` on are common to all pairs.

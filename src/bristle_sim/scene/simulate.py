@@ -297,7 +297,8 @@ damping or vibration requires in the whole run."""
 
 
 def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> Extrapolation:
-    """Return the integrator whose error in each interval keeps a run within the requested accuracy.
+    """Return an integrator whose error in each interval is so small that the run has the requested
+    accuracy.
 
     Raises:
         ValueError: if the motion is so small that rounding error exceeds the requested accuracy.

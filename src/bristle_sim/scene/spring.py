@@ -211,7 +211,9 @@ class Spring:
         )
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
-        """Return the friction limit at a penetration minus the magnitude of the force in stick."""
+        """Return by how much the magnitude of a force in stick is below the friction limit at a
+        penetration.
+        """
         return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
     def rest_margins(self, penetration: float, force: float) -> Vector:

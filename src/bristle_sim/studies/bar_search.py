@@ -141,7 +141,7 @@ def _single(strikes: Strikes, direction: float) -> Measures:
 
 
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
-    """Return the direction of the bar for the fastest tip, and that strike.
+    """Return the direction of the bar at which the tip strikes fastest, together with that strike.
 
     The search goes from the direction ``start``, rad, in steps to the next maximum of the speed,
     which Brent's method refines.

@@ -176,7 +176,7 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
     )
     return (
         f"{contact} and Merchant's plies cut {chip}; measured are {amount(MEASURED, 'm')}. Work and energy give"
-        f" {amount(depths['energy_crater_depth'] or 0.0, 'm')}, the ratio of sums printed in their place (4.66)"
+        f" {amount(depths['energy_crater_depth'] or 0.0, 'm')}, the ratio of sums printed in their place (eq. 4.66)"
         f" {amount(float(ratio), 'm')}."
     )
 

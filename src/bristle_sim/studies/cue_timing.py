@@ -185,7 +185,7 @@ def _answer(direction: Quantity, lag: float | None) -> str:
         )
     printed = "" if direction.printed is None else f" (printed: {direction.printed:.2f}°)"
     strike = "has no cued strike" if lag is None else f"strikes {beside_radial(lag)}"
-    return f"To release the wire for its highest speed the bar must stand at {direction.simulated:.2f}°{formula}{printed}; a whole pass with the bar there {strike}."
+    return f"A release that is fastest at the strike needs the bar at {direction.simulated:.2f}°{formula}{printed}; a whole pass with the bar there {strike}."
 
 
 def _readings_table(readings: Mapping[str, CueTiming]) -> Table:

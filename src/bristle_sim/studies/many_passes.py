@@ -96,9 +96,7 @@ class Check:
     def __str__(self) -> str:
         """Return the result in words, as the end of a sentence."""
         apart = f", but for {self.apart} with another outcome" if self.apart else ""
-        return (
-            f"the simulation in time agrees to {self.difference:.0e} in {self.passes} passes{apart}"
-        )
+        return f"the time-domain simulation agrees to {self.difference:.0e} in {self.passes} passes{apart}"
 
 
 def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]) -> Check:

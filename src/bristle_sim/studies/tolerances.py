@@ -140,19 +140,19 @@ def _check(tool: Tool, settings: Settings, intervals: Mapping[str, tuple[float, 
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return in words which input ranks first for most outputs, and how much speed and impulse of
-    the strike spread.
+    """Return in words which input matters most for each measure of the strike, and how much the
+    measures spread.
     """
-    ranked = [_ranked(row)[0] for row in rows]
+    measures = STATE | IMPACT
+    leading = dict[str, list[str]]()
     spreads = []
-    most = max(ranked, key=ranked.count)
-    for row, first in zip(rows, ranked, strict=True):
-        if row["output"] in STATE | IMPACT:
-            label, unit = (STATE | IMPACT)[row["output"]]
-            spreads.append(
-                f"{label} {amount(row['mean'], unit)} ± {amount(row['std'], unit, 2)} (mostly {first})"
-            )
-    ranks = f"{most} matters most: it ranks first for {ranked.count(most)} of {len(rows)} measures of the strike"
+    for row in rows:
+        if row["output"] in measures:
+            label, unit = measures[row["output"]]
+            leading.setdefault(_ranked(row)[0], []).append(label)
+            spreads.append(f"{label} {amount(row['mean'], unit)} ± {amount(row['std'], unit, 2)}")
+    ordered = sorted(leading.items(), key=lambda item: -len(item[1]))
+    ranks = "; ".join(f"{key} matters most for {', '.join(labels)}" for key, labels in ordered)
     return f"{ranks[0].upper()}{ranks[1:]}. Mean ± standard deviation: {'; '.join(spreads)}"
 
 

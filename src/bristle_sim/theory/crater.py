@@ -64,11 +64,11 @@ def merchant_crater_depth(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the crater depth by Merchant's circle, m, summed over equal time steps, called plies.
+    """Return the crater depth, m, by Merchant's circle, summed over equal time steps, called plies.
 
     This is eq. 4.50 of Zhang (2020), with the force R(t) and the width b(t) of the dissertation. By
     default the angles of the cut follow from ``friction`` and ``impact_angle`` without rounding;
-    ``PRINTED_ANGLES`` are the rounded angles of (4.52). Raises ShearAngleError where the friction
+    ``PRINTED_ANGLES`` are the rounded angles that eq. 4.52 prints. Raises ShearAngleError where the friction
     is below tan(impact_angle), unless ``angles`` are given.
 
     Args:
