@@ -37,7 +37,6 @@ BEFORE_ZERO = 0.95
 """Fraction of the time to a force's zero after which a shorter interval begins. The time is
 estimated linearly in a longer interval."""
 
-
 # least position of an extreme that counts, as a fraction of the interval: before it the function
 # hardly changes
 EARLIEST_EXTREME = 0.01
@@ -60,9 +59,17 @@ class Monitor:
         self.noise = system.noise if event.tolerance is None else math.ulp(1.0)
         begins_positive = event.kind in BEGINS_POSITIVE
         self.sign = 1.0 if begins_positive else None
-        value = event.value(at_state(system.state))
+        self._last = at_state(system.state)
+        self._value = value = event.value(self._last)
         if not (begins_positive and abs(value) <= ROUNDED_TOLERANCES * (event.tolerance or 0.0)):
             self.sign = self.sign_of(value)
+
+    def value(self, at: IntervalResult) -> float:
+        """Return the event's value at a result; a second call for the same result costs nothing."""
+        if at is not self._last:
+            self._value = self.event.value(at)
+            self._last = at
+        return self._value
 
     def sign_of(self, value: float) -> float | None:
         """Return the sign of a value; the last sign if the value is too small to have one."""
@@ -113,7 +120,7 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
     """
     event = monitor.event
     sign = monitor.sign
-    right = event.value(interval.end)
+    right = monitor.value(interval.end)
     noise = monitor.noise
     if event.kind in DIFFERENCES:
         noise = max(noise, RATE_ROUNDING / interval.length)
@@ -145,25 +152,21 @@ def _zero(
                 begin = time
     if tolerance is None:
         located = LOCATED_VALUE * min(system.plan.accuracy, 1e-4) * max(abs(left), abs(right))
-        tolerance = max(
-            located,
-            10.0 * RATE_ROUNDING / interval.length
-            if monitor.event.kind in DIFFERENCES
-            else 0.1 * LEAST_VALUE,
-        )
+        rounding = 0.1 * LEAST_VALUE
+        if monitor.event.kind in DIFFERENCES:
+            rounding = 10.0 * RATE_ROUNDING / interval.length
+        tolerance = max(located, rounding)
 
     def of_state(state: State) -> float:
         return value(at_state(state))
-
-    def of_time(time: float) -> float:
-        return value(integrate_to(time))
 
     near = guess(of_state, interval, interval.length, begin)
     if near is not None:
         found = settle(system, of_state, interval, near, tolerance)
         if found is not None:
             return found
-    time = max(locate(of_time, begin, interval.length, left, right, tolerance, near), instant)
+    ends = (begin, interval.length, left, right)
+    time = max(locate(lambda time: value(integrate_to(time)), *ends, tolerance, near), instant)
     back = 1e-12
     while (result := integrate_to(time)).failed and back < 1.0:
         # In a step beyond the release the contact would pull; the last step before the release is
@@ -182,9 +185,8 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """
     sense = -float(event.direction)
     length = interval.length
-    states = [interval.at(part * length) for part in (0.0, 0.25, 0.5, 0.75)]
-    values = [sense * event.value(at_state(state)) for state in states]
-    values.append(sense * event.value(interval.end))
+    results = [at_state(interval.at(part * length)) for part in (0.0, 0.25, 0.5, 0.75)]
+    values = [sense * event.value(result) for result in (*results, interval.end)]
     if math.isnan(sum(values)) or values[-1] < 0.0:
         return interval
     least = min(max(values.index(min(values)), 1), 3)
@@ -241,9 +243,8 @@ def settle(
     for trial in range(MOST_GUESSES):
         reached = interval.integrate_to(near)
         found = value(reached.state)
-        if abs(found) <= (
-            tolerance if trial < MOST_GUESSES - 1 else ROUNDED_TOLERANCES * tolerance
-        ):
+        allowed = ROUNDED_TOLERANCES if trial == MOST_GUESSES - 1 else 1.0
+        if abs(found) <= allowed * tolerance:
             return reached
         moved = span
         before = 0.0
@@ -252,11 +253,10 @@ def settle(
         for _ in range(MOST_SECANTS):
             if at_moved == at_before or not abs(at_moved) > tolerance:
                 break
-            before, at_before, moved = (
-                moved,
-                at_moved,
-                moved - at_moved * (moved - before) / (at_moved - at_before),
-            )
+            secant = moved - at_moved * (moved - before) / (at_moved - at_before)
+            before = moved
+            at_before = at_moved
+            moved = secant
             at_moved = value(reached.moved(moved).state)
         near += moved
         if not (0.0 < near <= interval.length and abs(at_moved) < abs(found)):

@@ -190,7 +190,7 @@ def up_to_first_event(
         if monitor is triggered:
             monitor.sign = -(monitor.sign or 0.0)
         else:
-            monitor.follow(monitor.event.value(interval.end))
+            monitor.follow(monitor.value(interval.end))
     if triggered is None:
         return interval, touch
     return interval, Happening(triggered.event.kind, triggered.event.subject)
