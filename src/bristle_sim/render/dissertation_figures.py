@@ -159,13 +159,14 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
         names.append(line)
         for source, (at, values) in curve.points.items():
             axes.plot(x * at, y * values, zorder=3, **{"color": color, **POINT, **_LOOKS[source]})
-    levels = {}
     dashes = iter([(4.0, 2.0), (1.0, 1.5)])
     for level in panel.levels:
-        dashed: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "zorder": 1}
-        dashed["dashes"] = (3.0, 2.0) if level.upright else next(dashes)
-        draw_level, factor = (axes.axvline, x) if level.upright else (axes.axhline, y)
-        levels[level.label] = draw_level(factor * level.value, label=level.label, **dashed)
+        look: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "zorder": 1, "label": level.label}
+        if level.upright:
+            line = axes.axvline(x * level.value, dashes=(3.0, 2.0), **look)
+        else:
+            line = axes.axhline(y * level.value, dashes=next(dashes), **look)
+        names.append(line)
     for mark in panel.marks:
         place = (x * mark.x, y * mark.y)
         offset, side = _SIDES[mark.side]
@@ -178,17 +179,23 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     _limit(axes, panel)
     axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
     axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
-    lines = [line for line in (*names, *levels.values()) if str(line.get_label()).strip()]
-    look: dict[str, Any] = {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
+    # Lines of one label share an entry.
+    named = {str(line.get_label()): line for line in names if str(line.get_label()).strip()}
+    look = {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
     if panel.family:
         look = {
             "loc": "lower left",
             "bbox_to_anchor": (-0.12, 0.985),
-            "ncols": len(lines),
+            "ncols": len(named),
             "columnspacing": 0.55,
         }
     axes.legend(
-        handles=lines, fontsize=6.5, handlelength=0.9, handletextpad=0.3, labelspacing=0.25, **look
+        handles=list(named.values()),
+        fontsize=6.5,
+        handlelength=0.9,
+        handletextpad=0.3,
+        labelspacing=0.25,
+        **look,
     )
 
 

@@ -48,13 +48,11 @@ GIF_SAMPLES = 30
 class TimeWarp(NamedTuple):
     """Piecewise linear map between the time of a run and the time in its film.
 
-    ``film`` and ``physical`` are these times at common nodes, s, both ascending. ``slow_down`` is
-    the slope d film/d physical at the nodes.
+    ``film`` and ``physical`` are these times at common nodes, s, both ascending.
     """
 
     film: Array
     physical: Array
-    slow_down: Array
 
     def physical_time(self, film_time: ArrayLike) -> Array:
         """Return the time in the run, s, that is shown at a time in the film, s."""
@@ -68,7 +66,8 @@ class TimeWarp(NamedTuple):
         """Return the slow-down factor at a time in the film, s: seconds of film for one second of
         the run.
         """
-        return np.asarray(np.interp(np.asarray(film_time), self.film, self.slow_down))
+        slow_down = np.gradient(self.film, self.physical)
+        return np.asarray(np.interp(np.asarray(film_time), self.film, slow_down))
 
 
 def slow_motion(
@@ -112,7 +111,7 @@ def slow_motion(
     distance = (physical - np.reshape(focus, (-1, 1))) / (width * (end - start))
     shape = 1.0 + (slower - 1.0) * np.exp(-0.5 * distance**2).max(axis=0, initial=0.0)
     elapsed = np.concatenate([[0.0], np.cumsum(0.5 * (shape[1:] + shape[:-1]) * np.diff(physical))])
-    return TimeWarp(elapsed * (duration / elapsed[-1]), physical, shape * (duration / elapsed[-1]))
+    return TimeWarp(elapsed * (duration / elapsed[-1]), physical)
 
 
 class Film(ABC):

@@ -136,9 +136,7 @@ class WireFilm(Film):
         force.set_ylim(bottom=0.0)
         force.set_title("normal force (N)", loc="left", fontsize=small)
         wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=small)
-        self.arrival = _draw_wave(
-            wave, self.figure.add_axes((0.925, 0.115, 0.012, 0.3)), struck, small
-        )
+        self.arrival = _draw_wave(wave, struck, small)
         self.moving = [*self.rigid.artists, *self.wire.artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
@@ -200,7 +198,7 @@ def _centre_line(run: Any, time: float) -> Array:
     return np.reshape([np.interp(time, run.time, column) for column in columns], (-1, 2))
 
 
-def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) -> float:
+def _draw_wave(axes: Axes, struck: FlexibleWire, letters: float) -> float:
     """Draw the bending moment in the wire over time and position, with the root on top.
 
     Returns:
@@ -210,7 +208,6 @@ def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) ->
     run = struck.wire
     time = np.linspace(0.0, run.time[-1], GRID)
     bends = np.diff(run.angles, axis=1).T
-    scale.set_visible(bool(bends.size))
     if not bends.size:
         style.say(axes, "a rigid bristle does not bend")
         return 0.0
@@ -233,6 +230,5 @@ def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire, letters: float) ->
     axes.set_xlabel("time since the first touch (µs)", fontsize=letters)
     axes.set_ylabel("from the root (mm)", fontsize=letters)
     axes.grid(visible=False)
-    axes.figure.colorbar(picture, cax=scale)
-    scale.tick_params(labelsize="x-small")
+    style.add_colour_bar(axes, picture, "neither").tick_params(labelsize="x-small")
     return float(time[np.argmax(np.abs(moments[0]) > ARRIVED * most)])
