@@ -51,7 +51,7 @@ OTHERS = {
     "whole_tool": ("", "hub_speed=500 friction=0.6"),
     "film": ("wire_links=2 map_durations=3 map_dampings=2 workers=1",),
     "measured_impacts": ("",),
-    "tolerances": ("samples=8",),
+    "tolerances": ("samples=32",),
     "flexible_wire": ("wire_links=4 friction=0.6 contact_duration=0.2ms",),
 }
 QUICK = {
