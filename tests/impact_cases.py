@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, Strike, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact
+from bristle_sim.studies.contact_laws import Impacts
+from bristle_sim.studies.impacts import double_pendulum, oblique_impact
 
 ROUGH = Surface(friction=0.5, restitution=0.5)
 TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0

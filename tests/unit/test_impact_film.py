@@ -13,7 +13,8 @@ from bristle_sim.render.impact_figure import impact_figure
 from bristle_sim.render.impact_film import ImpactFilm
 from bristle_sim.render.style import save_figure
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import Impacts, oblique_impact
+from bristle_sim.studies.contact_laws import Impacts
+from bristle_sim.studies.impacts import oblique_impact
 from bristle_sim.studies.impulse_course import energetic_course
 from bristle_sim.studies.timed_contact import with_visible_contact
 from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words

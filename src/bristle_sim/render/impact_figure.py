@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.style import add_panel, blank_figure, note, say, scale_for, styled
-from bristle_sim.studies.impacts import Impacts
+from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 
 PHASE_COLOURS = {

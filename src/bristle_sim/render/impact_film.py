@@ -19,7 +19,7 @@ from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
 from bristle_sim.render.story import phase_at
 from bristle_sim.render.style import scale_for, signed, styled
-from bristle_sim.studies.impacts import Impacts
+from bristle_sim.studies.contact_laws import Impacts
 
 NORMAL = BLUE
 TANGENTIAL = VERMILION

@@ -9,7 +9,6 @@ simulation the same motion has the other sign.
 import math
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from bristle_sim.comparison import Quantity, Report, Table, agreement
@@ -23,14 +22,13 @@ from bristle_sim.parameters import (
     Surface,
 )
 from bristle_sim.readable import amount
-from bristle_sim.scene.strike import Chain, ChainStrike, strike
+from bristle_sim.scene.strike import Chain, ChainStrike
 from bristle_sim.settings import Settings
+from bristle_sim.studies.contact_laws import Impacts, all_laws
 from bristle_sim.studies.strike_measures import IMPACT, contact_quantities, impulse_caution
 from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
-
-LAWS = ("energetic", "compliant", "engine")
 
 COMPLIANT_TOLERANCE = 3e-3
 """Largest relative difference of a contact simulated over time from its rigid-body limit, at the
@@ -40,37 +38,12 @@ Usually the difference is a thousand times smaller; near the threshold of stick 
 slowly with the duration of the contact."""
 
 
-@dataclass(frozen=True, slots=True)
-class Impacts:
-    """One impact of a chain of rods on a surface, computed by every contact law.
-
-    Attributes:
-        chain: the rods before the impact.
-        surface: the surface.
-        contact: the requested contact.
-        strikes: results by law.
-        refusals: reasons why other laws have no result, by law.
-        timing: how the duration of the contact in a film was chosen.
-    """
-
-    chain: Chain
-    surface: Surface
-    contact: Contact
-    strikes: dict[str, ChainStrike]
-    refusals: dict[str, str]
-    timing: str = ""
-
-
 AT_REST = 1e-13
 """Largest rate after an impact that counts as zero, over the fastest rate before it. Also the largest
 tangential work that counts as zero, over the normal work."""
 # Relative rounding error of a position's distance from the hub's centre. The height of the tip over
 # the root is the difference of two positions.
 HEIGHT_ROUNDING = 1e-15
-LEAST_RATE = 1e-300
-"""Least rate of a rod before an impact, rad/s, that is distinguished from rest.
-
-Slower rates are near the smallest number that has all digits, 2e-308."""
 LEAST_SLOPE = 100.0
 """Least angle of a bristle from the surface, over its turn during a contact in time, at which the
 slide of the tip is compared with theory.
@@ -130,7 +103,7 @@ def oblique_impact(
     """
     gamma = math.radians(state.impact_angle_deg)
     rate = state.speed_ratio * hub.speed
-    impacts = _all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
+    impacts = all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
     geometry = (bristle.mass, bristle.length, hub.radius, hub.speed, state.speed_ratio, gamma)
     theory = monofilament_impact(*geometry, *_coefficients(surface))
     found = _bristle_rows(impacts, settings, theory, IMPACT)
@@ -150,7 +123,7 @@ def single_pendulum(
     rod = (pendulum.mass, pendulum.length)
     rate = pendulum.rate
     chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-rate,))
-    impacts = _all_laws(chain, surface, contact, settings)
+    impacts = all_laws(chain, surface, contact, settings)
     theory: Any
     if surface.restitution_friction is None or rate >= 0.0:
         theory = single_pendulum_impact(*rod, gamma, rate, surface.friction, surface.restitution)
@@ -208,7 +181,7 @@ def double_pendulum(
 
     The two rods may have any ratio of masses.
     """
-    impacts = _all_laws(double_chain(pendulum), surface, contact, settings)
+    impacts = all_laws(double_chain(pendulum), surface, contact, settings)
     angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
     rates = (pendulum.rate_1, pendulum.rate_2)
     rods = (pendulum.mass, pendulum.mass_ratio, pendulum.length)
@@ -280,31 +253,6 @@ def _tolerance(
 
 def _widened(tolerance: float | None, rounding: float) -> float | None:
     return None if tolerance is None else tolerance + min(rounding, MOST_WIDENED)
-
-
-def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    """Simulate the strike by the requested contact law, and by every other law that has a result."""
-    for rate in chain.rates:
-        if 0.0 < abs(rate) < LEAST_RATE:
-            raise ValueError(
-                f"rate before the impact = {rate:.3g}: must be 0 or at least {LEAST_RATE:g} in magnitude, or"
-                " rounding hides the motion (in rad/s)"
-            )
-    strikes = dict[str, ChainStrike]()
-    refusals = dict[str, str]()
-    for law in LAWS:
-        try:
-            other = Contact(
-                law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0
-            )
-            strikes[law] = strike(
-                chain, surface, contact if law == contact.law else other, settings
-            )
-        except ValueError as error:
-            if law == contact.law:
-                raise
-            refusals[law] = str(error)
-    return Impacts(chain, surface, contact, strikes, refusals)
 
 
 def _report(

@@ -21,7 +21,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import Impacts, radial_chain
+from bristle_sim.studies.contact_laws import Impacts
+from bristle_sim.studies.impacts import radial_chain
 from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import normal_compressive_impulse
 from bristle_sim.trajectory import ContactHistory, ContactRecord

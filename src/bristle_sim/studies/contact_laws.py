@@ -1,0 +1,60 @@
+"""One impact of a chain of rods, simulated by every contact law."""
+
+from dataclasses import dataclass
+
+from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.strike import Chain, ChainStrike, strike
+from bristle_sim.settings import Settings
+
+LAWS = ("energetic", "compliant", "engine")
+
+LEAST_RATE = 1e-300
+"""Least rate of a rod before an impact, rad/s, that is distinguished from rest.
+
+Slower rates are near the smallest number that has all digits, 2e-308."""
+
+
+@dataclass(frozen=True, slots=True)
+class Impacts:
+    """One impact of a chain of rods on a surface, computed by every contact law.
+
+    Attributes:
+        chain: the rods before the impact.
+        surface: the surface.
+        contact: the requested contact.
+        strikes: results by law.
+        refusals: reasons why other laws have no result, by law.
+        timing: how the duration of the contact in a film was chosen.
+    """
+
+    chain: Chain
+    surface: Surface
+    contact: Contact
+    strikes: dict[str, ChainStrike]
+    refusals: dict[str, str]
+    timing: str = ""
+
+
+def all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
+    """Simulate the strike by the requested contact law, and by every other law that has a result."""
+    for rate in chain.rates:
+        if 0.0 < abs(rate) < LEAST_RATE:
+            raise ValueError(
+                f"rate before the impact = {rate:.3g}: must be 0 or at least {LEAST_RATE:g} in magnitude, or"
+                " rounding hides the motion (in rad/s)"
+            )
+    strikes = dict[str, ChainStrike]()
+    refusals = dict[str, str]()
+    for law in LAWS:
+        try:
+            other = Contact(
+                law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0
+            )
+            strikes[law] = strike(
+                chain, surface, contact if law == contact.law else other, settings
+            )
+        except ValueError as error:
+            if law == contact.law:
+                raise
+            refusals[law] = str(error)
+    return Impacts(chain, surface, contact, strikes, refusals)
