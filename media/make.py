@@ -137,7 +137,9 @@ def contact_sheet(figures: Sequence[Redrawn]) -> Figure:
     sheet = blank_figure(33.0, 1.0 + 7.1 * rows)
     for number, (figure, panel) in enumerate(cells):
         row, column = divmod(number, 4)
-        axes = axes_at(sheet, 1.7 + 8.25 * column, 2.2 + 7.1 * (rows - 1 - row), 6.1, 4.2)
+        wider = 1.2 if panel is None else 0.0  # a table needs no room for a scale
+        bottom = 2.2 + 7.1 * (rows - 1 - row)
+        axes = axes_at(sheet, 1.7 + 8.25 * column - wider, bottom, 6.1 + wider, 4.2)
         if panel is None:
             draw_table(axes, figure.table)
         else:

@@ -147,7 +147,7 @@ def draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
     drawn.auto_set_font_size(False)
     for (row, _), cell in drawn.get_celld().items():
         cell.set(linewidth=0.4)
-        cell.set_text_props(weight="bold" if row in (0, len(rows)) else "normal", fontsize=7.0)
+        cell.set_text_props(weight="bold" if row in (0, len(rows)) else "normal", fontsize=6.0)
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
