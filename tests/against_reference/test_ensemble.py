@@ -153,10 +153,20 @@ STRIKES_FOR_A_MOMENT_ON_THE_BAR = {
     "bar_vertical": 0.0626579, "penetration": 0.00866987, "gravity": 431.035,
 }  # fmt: skip
 
+TOUCHES_AGAIN_WITH_ITS_END = {
+    "hub_speed": 255.89, "bristle_length": 0.035468, "hub_radius": 0.04615, "wire_diameter": 3.1158e-05, "belt_stiffness": 0.71757,
+    "friction": 0.2124, "restitution": 0.0, "bar_radius": 2.3728e-05, "bar_horizontal": 0.02411, "bar_vertical": 0.067998,
+    "penetration": 0.0010211, "gravity": 217.95,
+}  # fmt: skip
 
-@pytest.mark.parametrize("values", [FOLDS_FOR_A_MOMENT, STRIKES_FOR_A_MOMENT_ON_THE_BAR])
+
+@pytest.mark.parametrize(
+    "values", [FOLDS_FOR_A_MOMENT, STRIKES_FOR_A_MOMENT_ON_THE_BAR, TOUCHES_AGAIN_WITH_ITS_END]
+)
 def test_what_happens_between_two_samples_is_found(values: dict[str, float]):
-    """Of the two wires one folds back by 1e-3 rad too much, and the other's tip is 1e-5 m too low while it lies on the bar."""
+    """Of three wires one folds back by 1e-3 rad too much, the second's tip is 1e-5 m too low while it lies on the bar, and the third
+    leaves a bar of 0.05 mm with its flank and touches it with its end within 1e-4 rad.
+    """
     many = bs.ensemble(**values)
     run = bs.simulate(bs.Tool().replace(**values), bs.Settings(accuracy=1e-9), stop_after="strike")
     strike = run.first_contact("workpart")

@@ -29,7 +29,8 @@ turn, which lies on the hub."""
 
 LEAST_BEND = 0.1
 """Distance of the wire's centre line from the bar's centre at a touch, over the bristle's length,
-below which a thinner bar does not shorten the segments of a step further."""
+below which a thinner bar does not shorten the segments of a step further. A wire that has just
+left the bar has no such bound: its end may touch again within a turn of the size of this distance."""
 
 BEND = 0.5
 """Longest path of the wire's end in a segment of a step near the bar, over the distance of the
@@ -119,7 +120,8 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
     np.minimum(step, ahead, out=step, where=outside & (passes.window >= 0.0))
     gained = 0.25 * np.abs(course.rate[1, near]) * step[near]
     speed = passes.radius[near] + 1.0 + np.abs(passes.rate[near]) + gained
-    longest = INTERVALS * BEND * np.maximum(passes.reach[near], LEAST_BEND) / speed
+    least = np.where(passes.touching[near], 0.0, LEAST_BEND)
+    longest = INTERVALS * BEND * np.maximum(passes.reach[near], least) / speed
     step[near] = np.minimum(step[near], longest)
     return step, near
 
