@@ -134,6 +134,24 @@ def test_in_a_row() -> None:
         assert touches(run) == pytest.approx(touches(other), abs=10.0 * ACCURACY * 1e-3)
 
 
+def test_wires_of_a_row_touch_a_surface_of_one_stiffness() -> None:
+    """The requested duration is that of the row's first contact, with which the other wire's is not equally long."""
+    row = {
+        "bristles": 2,
+        "pitch": 0.16,
+        "neighbour_friction": 0.3,
+        "neighbour_restitution": 0.5,
+        "stop_after": "strike",
+    }
+    tool = bs.Tool(contact=bs.Contact("compliant", 5e-5))
+    runs = bs.simulate_row(tool, bs.Settings(accuracy=ACCURACY), **row)
+    exact = simulate_row_reference(tool, accuracy=1e-9, **row)
+    for run, other in zip(runs, exact, strict=True):
+        found, expected = (each.first_contact("workpart") for each in (run, other))
+        assert found.rates_after == pytest.approx(expected.rates_after, rel=10.0 * ACCURACY)
+        assert found.duration == pytest.approx(expected.duration, rel=10.0 * ACCURACY)
+
+
 def test_beside_a_bar() -> None:
     """A bar 0.3 mm beside the wire is met 9.4 us after the touch, while the spring acts."""
     full = bs.simulate(timed(1e-3))

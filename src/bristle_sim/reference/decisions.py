@@ -123,17 +123,17 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
 
 
 def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
-    """Return the stiffness of a wire's contacts with the workpart, N/m; None if they are rigid.
+    """Return the stiffness of contacts with the workpart, N/m; None if they are rigid.
 
-    At the first contact the stiffness is computed from the requested duration. For a rigid wire the
-    impact law relates the two. For a wire of several links the contact is taken to be frictionless,
+    At the first contact of any wire the stiffness is computed from the requested duration; it
+    belongs to the surface, so all later contacts have it too. For a rigid wire the impact law
+    relates the two. For a wire of several links the contact is taken to be frictionless,
     and the hinges rigid.
     """
     system = instant.system
     chain = instant.system.chain
-    wire = point.piece if len(chain.tips) > 1 else 0  # in a row each wire has one piece
-    if system.duration is None or wire in system.stiffnesses:
-        return system.stiffnesses.get(wire)
+    if system.duration is None or system.stiffness is not None:
+        return system.stiffness
     surface = system.obstacles[point.obstacle].surface
     if len(chain.tips) == 1 and chain.links > 1:
         inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
@@ -144,7 +144,7 @@ def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
         stiffness = stiffness_for_duration(
             hit, touch.velocity[0], surface.restitution, system.duration
         )
-    system.stiffnesses[wire] = stiffness
+    system.stiffness = stiffness
     return stiffness
 
 

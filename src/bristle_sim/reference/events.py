@@ -107,7 +107,7 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
                     value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), place
                 )
             )
-            if now < -10.0 * inside and name == "workpart" and system.stiffnesses:
+            if now < -10.0 * inside and name == "workpart" and system.stiffness:
                 found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, place))
     return found
 

@@ -74,9 +74,7 @@ class System:
         self.chain = chain
         self.obstacles = obstacles
         self.duration = duration
-        self.stiffnesses = dict[int, float]()
-        if stiffness is not None:
-            self.stiffnesses = dict.fromkeys(range(len(chain.tips)), stiffness)
+        self.stiffness = stiffness
         self.sustained: list[Sustained] = []
         self.size = chain.hub_radius + chain.length
         self.fastest = chain.fastest_rate

@@ -30,7 +30,8 @@ from bristle_sim.scene.system import System
 
 # least compliance of a slipping contact, over the compliance of a free link: with less, the link
 # jams, because the force that keeps the contact closed grows without bound
-LEAST_COMPLIANCE_IN_SLIP = 1e-6
+LEAST_COMPLIANCE_IN_SLIP = 1e-3
+LEAST_OF_SINGLE_LINK = 1e-6  # the same for a single link, whose motion follows from the geometry
 PLACE_ROUNDING = 4e-16  # rounding error of a tip's position, in engine units
 LOCATED_VELOCITY = 0.1
 """Tolerance to which the events of a contact spring are located, over the permitted velocity error
@@ -211,9 +212,11 @@ def _rigid_events(
     """
     pair = contact.pair
     gaps = system.gaps
+    single = system.mechanism.single_link
+    least = LEAST_OF_SINGLE_LINK if single else LEAST_COMPLIANCE_IN_SLIP
 
     def compliance(at: IntervalResult) -> float:
-        return rigid.compliance_in_slip(gaps, at.state, index) - LEAST_COMPLIANCE_IN_SLIP
+        return rigid.compliance_in_slip(gaps, at.state, index) - least
 
     def push(at: IntervalResult) -> float:
         return sums_of(at.totals, index).normal if at.totals else math.nan
