@@ -94,7 +94,7 @@ def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(
     assert few < many < float(rows[0]["merchant_crater_depth_limit (m)"])
 
 
-BLOCKED = "import sys; sys.modules.update(dict.fromkeys('joblib xarray tqdm cloudpickle distributed'.split()));"
+BLOCKED = "import sys; sys.modules.update(dict.fromkeys('joblib xarray zarr tqdm cloudpickle distributed'.split()));"
 
 
 def test_without_the_extra_a_sweep_is_computed_all_the_same():

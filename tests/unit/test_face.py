@@ -51,7 +51,7 @@ def test_the_import_takes_no_library_and_few_modules():
 
 WITHOUT_EXTRAS = """
 import sys
-sys.modules |= dict.fromkeys(["distributed", "joblib", "tqdm", "xarray", "imageio_ffmpeg", "PIL", "pandas"])
+sys.modules |= dict.fromkeys(["distributed", "joblib", "tqdm", "xarray", "zarr", "imageio_ffmpeg", "PIL", "pandas"])
 import pydoc
 import bristle_sim as bs
 assert hasattr(bs, "sweep")

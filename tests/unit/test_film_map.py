@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("joblib", reason="needs the extra sweep")
+pytest.importorskip("zarr", reason="needs the extra sweep")
 
 from bristle_sim import simulate
 from bristle_sim.parameters import FilmGrid, Tool

@@ -10,6 +10,7 @@ import itertools
 import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,9 +25,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+pytest.importorskip("zarr", reason="needs the extra sweep")
 xarray = pytest.importorskip("xarray", reason="needs the extra sweep")
 joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
+from bristle_sim.studies import sweep_store  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
 from sweep_points import counted, power  # noqa: E402
 
@@ -276,7 +279,8 @@ def test_a_sweep_whose_workers_are_gone_ends_in_one_line_and_keeps_its_points(tm
     words = r"workers: lost at the point {'x': \d.0, 'y': 1.0}, and none answers any more \(ConnectionError: connection lost\); "
     assert re.match(words, str(gone.value))
     assert "\n" not in str(gone.value)
-    assert 0 < sum(len(numbers) for numbers in points_of(tmp_path)) < 10
+    (kept,) = tmp_path.glob("*.zarr")
+    assert {*xarray.open_zarr(kept, consolidated=False)["failure"].values} == {"", "not computed"}
 
 
 def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_computes_again(
@@ -286,7 +290,7 @@ def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_c
     run = functools.partial(
         sweep, dying, {"x": np.arange(6.0)}, workers=2, store=tmp_path / "store"
     )
-    first = run()
+    first = run().load()
     assert np.array_equal(first["result"], [0.0, 1.0, 4.0, math.nan, 16.0, 25.0], equal_nan=True)
     reasons = first["failure"].values.tolist()
     assert reasons.pop(3).startswith("lost with its worker 3 times (")
@@ -311,68 +315,91 @@ def test_finished_points_are_never_computed_again(tmp_path: Path):
     function = functools.partial(noted, folder=str(tmp_path))
     for _ in range(2):
         found = sweep(function, SPACE, store=tmp_path / "store", units={"power": "1"})
-        assert found.equals(sweep(power, SPACE))
+        assert not found["power"].variable._in_memory
+        assert found.load().equals(sweep(power, SPACE))
         assert found["power"].attrs == {"units": "1"}
     assert len(calls(tmp_path)) == 8
     sweep(function, SPACE, store=tmp_path / "store", version="2")
     assert len(calls(tmp_path)) == 8 + 8
 
 
-def points_of(store: Path) -> list[list[int]]:
-    """The indices of the points in each file of a store, in the order of the first index."""
-    return sorted(np.load(path)["numbers"].tolist() for path in store.rglob("*.npz"))
+def emptied(path: Path) -> None:
+    path.write_bytes(b"")
 
 
-def emptied(content: bytes) -> bytes:
-    return content[:0]
+def changed(path: Path) -> None:
+    found = bytearray(path.read_bytes())
+    found[len(found) // 2] ^= 1
+    path.write_bytes(found)
 
 
-def changed(content: bytes) -> bytes:
-    return content[: len(content) // 2] + b"\xff" + content[len(content) // 2 + 1 :]
-
-
-@pytest.mark.parametrize("harm", [emptied, changed, None])
-def test_damaged_and_lost_files_are_computed_again(
-    harm: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: Any
-):
-    """Two of the eight points stand in the file that is damaged, or deleted."""
-    monkeypatch.setattr("bristle_sim.studies.sweep.BLOCK", 2)
-    store = tmp_path / "store"
-    run = functools.partial(
-        sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=store
+def renamed(path: Path) -> None:
+    """One bit of the word "results" or "fill_value", which a description must have."""
+    text = path.read_bytes()
+    path.write_bytes(
+        text.replace(b'"results"', b'"resultr"').replace(b'"fill_value"', b'"fill_valud"')
     )
-    expected = run()
-    assert points_of(store) == [[0, 1], [2, 3], [4, 5], [6, 7]]
-    part = min(store.rglob("*.npz"))
-    if harm is None:
-        part.unlink()
-    else:
-        part.write_bytes(harm(part.read_bytes()))
+
+
+@pytest.mark.parametrize(
+    ("harm", "part", "recomputed"),
+    [
+        (emptied, "power/c/0/0", 2),
+        (changed, "pair/c/1/0/0", 2),
+        (changed, "failure/c/2/0", 2),
+        (emptied, "x/c/0", 0),
+        (Path.unlink, "power/zarr.json", 0),
+        (renamed, "power/zarr.json", 0),
+        (renamed, "zarr.json", 0),
+        (emptied, "zarr.json", 0),
+        (shutil.rmtree, "pair", 8),
+    ],
+)
+def test_damaged_and_lost_parts_are_computed_again(
+    harm: Any,
+    part: str,
+    recomputed: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: Any,
+):
+    """Of the four chunks of two points those that are damaged; a damaged description costs none."""
+    monkeypatch.setattr(sweep_store, "BLOCK", 2)
+    run = functools.partial(
+        sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store"
+    )
+    expected = run().load()
+    (store,) = (tmp_path / "store").glob("*.zarr")
+    harm(store / part)
     for _ in range(2):
         assert run().identical(expected)
-        assert len(calls(tmp_path)) == 8 + 2
-    assert bool(caplog.records) is (harm is not None)
+        assert len(calls(tmp_path)) == 8 + recomputed
+    assert bool(caplog.records) is bool(recomputed or part == "zarr.json")
 
 
-def test_every_single_bit_of_a_file_may_be_wrong(tmp_path: Path):
-    """One bit at a time, 61 bytes apart: the results are those written, and the point is computed again."""
+def test_every_single_bit_of_a_description_may_be_wrong(tmp_path: Path):
+    """One bit at a time, 61 bytes apart in each of three files: the results are those written, and none is computed again."""
     run = functools.partial(
         sweep,
         functools.partial(counted, folder=str(tmp_path)),
         {"x": [1.0]},
         store=tmp_path / "store",
     )
-    expected = run()
-    (path,) = (tmp_path / "store").rglob("*.npz")
-    intact = path.read_bytes()
-    places = range(0, len(intact), 61)
-    for place in places:
-        path.write_bytes(
-            intact[:place] + bytes([intact[place] ^ 1 << place % 8]) + intact[place + 1 :]
-        )
-        assert run().identical(expected)
-        assert path.read_bytes() == intact
-    assert len(calls(tmp_path)) == 1 + len(places)
+    expected = run().load()
+    (store,) = (tmp_path / "store").glob("*.zarr")
+    for path in (
+        store / "zarr.json",
+        store / "result" / "zarr.json",
+        store / "failure" / "zarr.json",
+    ):
+        intact = path.read_bytes()
+        for place in range(0, len(intact), 61):
+            path.write_bytes(
+                intact[:place] + bytes([intact[place] ^ 1 << place % 8]) + intact[place + 1 :]
+            )
+            assert run().identical(expected)
+            assert path.read_bytes() == intact
+    assert len(calls(tmp_path)) == 1
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS])
@@ -383,7 +410,7 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
     run = functools.partial(
         sweep, functools.partial(noted, folder=str(tmp_path)), SPACE, store=tmp_path / "store"
     )
-    expected = run()
+    expected = run().load()
 
     def refused(*_: Any, **__: Any) -> Any:
         raise OSError(number, os.strerror(number))
@@ -404,7 +431,7 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
         monkeypatch.setattr(owner, name, refused)
     files = {path: path.read_bytes() for path in (tmp_path / "store").rglob("*") if path.is_file()}
     assert run().identical(expected)
-    part = next(iter(files))
+    part = next(path for path in files if path.match("power/c/*/*"))
     os.remove(part)  # noqa: PTH107
     with pytest.raises(OSError, match=os.strerror(number)):
         run()
@@ -414,14 +441,19 @@ def test_a_complete_store_is_read_where_nothing_can_be_written(
 
 
 def test_a_store_holds_data_alone(tmp_path: Path):
-    """No pickle: its protocols begin with \\x80; NumPy reads every array without them."""
+    """No pickle: its protocols begin with \\x80; and nothing of an interrupted writing is left, but a new one goes on."""
     sweep(power, SPACE, store=tmp_path)
-    for path in filter(Path.is_file, tmp_path.rglob("*")):
-        assert path.suffix == ".npz"
-        assert not path.read_bytes().startswith(b"\x80")
-        with np.load(path, allow_pickle=False) as kept:
-            assert {*kept} == {"numbers", "failure", "result/power", "result/pair"}
-            assert all(kept[name].dtype.kind in "ifU" for name in kept)
+    (store,) = tmp_path.iterdir()
+    leftover = store / "power" / "c" / "0" / "0.abc.partial"
+    written = leftover.with_name("0.def.partial")
+    for each in (leftover, written):
+        each.write_bytes(b"half")
+    os.utime(leftover, (0, 0))
+    sweep(power, SPACE, store=tmp_path)
+    files = [each for each in store.rglob("*") if each.is_file()]
+    assert leftover not in files
+    assert written in files
+    assert not [each for each in files if each.read_bytes().startswith(b"\x80")]
 
 
 SCRIPT = """

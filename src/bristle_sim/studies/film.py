@@ -173,7 +173,7 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
     durations = np.geomspace(grid.shortest, grid.longest, grid.durations)
     space = {"wire_damping_ratio": dampings, "contact_duration": durations}
     point = partial(simulate_variant, settings, straight)
-    swept = sweep(point, space, workers=grid.workers, store=grid.store)
+    swept = sweep(point, space, workers=grid.workers, store=grid.store).load()
     unknown = np.full(swept["failure"].shape, math.nan)
     results = {name: swept[name].values if name in swept else unknown for name in MEASURES}
     missed = np.sum(

@@ -141,7 +141,7 @@ def sweep_of_runs(
             raise ValueError(
                 f"--workers, --store: need the extra sweep: pip install bristle-sim[sweep] ({error})"
             ) from error
-        found = sweep(function, axes, workers=workers, store=store)
+        found = sweep(function, axes, workers=workers, store=store).load()
         columns = {str(name): each.values for name, each in found.data_vars.items()}
     failure = columns.pop(FAILURE).astype(object)
     codes = columns.pop(CODE, np.full(shape, math.nan))

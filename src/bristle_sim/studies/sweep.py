@@ -2,7 +2,7 @@
 
 The points are evaluated in the calling process, in joblib's processes (loky), in threads or on a
 Dask cluster. The calling process alone writes finished points to a store, as data and never as
-pickles. xarray labels them.
+pickles. xarray labels and reads them.
 """
 
 import inspect
@@ -23,16 +23,17 @@ from tqdm import tqdm
 
 from bristle_sim.studies.sweep_identity import identity_of, name_of
 from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
-from bristle_sim.studies.sweep_store import Results, check_name
-from bristle_sim.studies.sweep_workers import client_of, evaluated
+from bristle_sim.studies.sweep_store import BLOCK, Results, SweepStore, check_name
+from bristle_sim.studies.sweep_workers import LOST, client_of, evaluated
 from bristle_sim.units import shown
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
-BLOCK = 4096  # Largest number of points that are written at once
 WRITTEN_EVERY = 1.0  # Time between two writes of finished points, s; a killed program loses the work since the last
 # Time after which a sweep shows its progress, s; if standard error is no terminal, also the time between two lines
 PATIENCE = 5.0
+# Largest number of attempts to complete a store; if points are still missing, another program may be writing to it
+ROUNDS = 5
 MOST_WORKERS = 1024  # Largest number of processes: more than a computer has cores
 
 
@@ -62,8 +63,8 @@ def sweep(
         workers: number of processes (-1: one per core), a Dask client or its executor, or another
             ``concurrent.futures.Executor``. By default the calling process evaluates the points.
         store: folder that keeps finished points. The same call later computes only the points that
-            are missing, damaged or lost. The folder holds data alone: reading another person's
-            folder runs no code.
+            are missing, damaged or lost. The returned Dataset loads results lazily. The folder
+            holds data alone: reading another person's folder runs no code.
         version: word to change when results change for a reason that a store does not notice. A
             store notices changes of the function's module or package, of the values bound to it,
             and of this package, NumPy, SciPy and pymunk. It does not notice changes of other
@@ -94,27 +95,30 @@ def sweep(
     )
     bound = {name: str(value) for name, value in getattr(function, "keywords", {}).items()}
     grid.attrs = {"function": name_of(function), **bound, "software": software, "version": version}
+    results = Results(grid)
     kept = ""
-    folder = None
     if store is not None:
         coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
         identity = (identity_of(function, version), coordinates, dict(grid.sizes))
-        folder = Path(store) / joblib.hash(identity, "sha1")
+        results = SweepStore(Path(store) / f"{joblib.hash(identity, 'sha1')}.zarr", grid)
         kept = f"the points that are finished are kept in {store}; the same call goes on"
-    results = Results(grid, folder)
-    missing = results.missing()
+    again = LOST
     try:
-        if missing.size:
+        for _ in range(ROUNDS):
+            if not (missing := np.flatnonzero(results.missing(again))).size:
+                return _labelled(results, units or {})
             outcomes = evaluated(function, _points(grid, missing), workers)
             _write(results, outcomes, missing.size, progress)
+            again = ""
     except KeyboardInterrupt:
-        raise SweepInterrupted(kept, _labelled(results, units or {})) from None
-    return _labelled(results, units or {})
+        raise SweepInterrupted(kept, _labelled(results, units or {}).load()) from None
+    raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
 
 
 def _labelled(results: Results, units: Mapping[str, str]) -> xr.Dataset:
-    """Return the results as a Dataset with units."""
+    """Return the results as a Dataset with units, ordered by name."""
     found = results.dataset()
+    found = found[sorted(map(str, found.data_vars))]
     for variable, each in found.variables.items():
         each.attrs = {"units": units[str(variable)]} if variable in units else {}
     found.attrs = results.grid.attrs
@@ -193,6 +197,8 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
             )
         if values.size == 0:
             raise ValueError(f"space: {name} must hold at least one value")
+        if values.dtype.kind in "UT":  # zarr has no standard for words of a fixed width
+            grid = grid.assign_coords({name: values.astype(object)})
     return grid
 
 

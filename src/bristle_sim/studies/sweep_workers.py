@@ -17,18 +17,13 @@ import joblib
 from joblib.externals.loky import ProcessPoolExecutor
 
 from bristle_sim.studies.sweep_identity import name_of
-from bristle_sim.studies.sweep_point import (
-    Function,
-    Outcome,
-    Point,
-    evaluate_points,
-    outcome_of,
-)
-from bristle_sim.studies.sweep_store import LOST
+from bristle_sim.studies.sweep_point import Function, Outcome, Point, evaluate_points, serially
 
 LARGEST_BATCH = 4096  # Largest number of points that are sent to a worker at once
 WAITING = 2  # Number of batches sent for each worker, so that no worker waits for its next batch
 ATTEMPTS = 3  # Number of workers that a point alone in its batch must lose to count as the cause of the losses
+# First words of the reason for failure of points that the next call on a store computes again
+LOST = "lost with its worker"
 # Environment variables of the libraries that start threads of their own
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -48,8 +43,7 @@ def evaluated(
     client = client_of(workers)
     own = client is None and not isinstance(workers, Executor)
     if own and joblib.effective_n_jobs(workers or 1) == 1:
-        for point in points:
-            yield point, outcome_of(function, point[1])
+        yield from serially(function, points)
         return
     pool: _Pool
     if client is not None:
