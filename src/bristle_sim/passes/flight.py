@@ -230,6 +230,7 @@ def _closing(
     """
 
     def value_of(numbers: Chosen) -> Function:
+        """Return the gaps of some passes, with their rates, as a function of the turn."""
         gap = gap_of(number[numbers])
         divided = leaves[numbers]
 

@@ -189,10 +189,7 @@ class BarPair:
             place[1] - pose.joint[1] - self.wire_radius * normal[1],
         )
         gap = distance - self.radius - self.wire_radius + self.dent
-        u = pose.joint_velocity[0] - rate * arm[1]
-        v = pose.joint_velocity[1] + rate * arm[0]
-        velocity = (u * normal[0] + v * normal[1], u * normal[1] - v * normal[0])
-        return ClosestApproach(gap, arm, normal, velocity, kinks, piece)
+        return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the smallest gap between the bar and any other straight segment of the link.
@@ -251,10 +248,9 @@ class WorkpartPair:
         pose = poses[self.link]
         x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
         arm = (x - pose.joint[0], y - pose.joint[1])
-        u, v = pose.joint_velocity
-        rate = rates[self.link]
-        velocity = (v + rate * arm[0], u - rate * arm[1])
-        return ClosestApproach(y + self.depth + self.dent, arm, (0.0, 1.0), velocity)
+        normal = (0.0, 1.0)
+        velocity = _relative(pose, rates[self.link], arm, normal)
+        return ClosestApproach(y + self.depth + self.dent, arm, normal, velocity)
 
 
 @dataclass(frozen=True, slots=True)

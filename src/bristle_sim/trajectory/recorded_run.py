@@ -26,22 +26,7 @@ CORNER_ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class RecordedRun(Motion):
-    """The recorded data of a run: the motion of one bristle at n samples, its events and its
-    contacts, in SI units and radians.
-
-    An impact has two samples at the same instant: one before it and one after it.
-
-    Attributes:
-        time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; the arrays have n
-            samples.
-        events: events in order of time.
-        contacts: contact records in order of time.
-        stop_reason: reason why the run stopped.
-        cost: cost of the run, and its error estimate.
-        parameters: input of the simulation, as plain numbers and strings.
-        stop_detail: explanation and remedy if a contact law could not resolve a contact; otherwise
-            empty.
-    """
+    """The recorded data of a run, as the class ``Trajectory`` describes them."""
 
     events: tuple[Event, ...]
     contacts: tuple[ContactRecord, ...]
