@@ -188,26 +188,18 @@ the length of the step. All repetitions would then agree that the belt does not 
 estimate would miss the error."""
 
 
-def damping_rate(scene: Scene) -> float:
-    """Return the largest rate, per time unit, at which the engine damps the motion of a link.
-
-    The engine damps the links as free bodies, before the joints correct their velocities.
-    """
-    links = scene.mechanism.links
-    hinges = scene.effects.hinges
-    belt = scene.effects.damping / links[0].inertia
-    joints = zip(hinges, links, links[1:], strict=False)
-    return max(
-        [belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)]
-    )
-
-
 def damped_interval(scene: Scene) -> float:
     """Return the longest interval in which the engine's steps resolve the damping.
 
-    It is infinite without damping.
+    The engine damps the links as free bodies, before the joints correct their velocities. Without
+    damping the interval is infinite.
     """
-    rate = damping_rate(scene)
+    links = scene.mechanism.links
+    belt = scene.effects.damping / links[0].inertia
+    joints = zip(scene.effects.hinges, links, links[1:], strict=False)
+    rate = max(
+        [belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)]
+    )
     return MOST_DAMPING / rate if rate else math.inf
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time as clock
 from collections.abc import Sequence
 from operator import attrgetter
 from typing import Any, TypeVar
@@ -11,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from bristle_sim.arrays import Array
+from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Effects, Scene, motion_scale
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.system import Recording, System
@@ -20,20 +22,19 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, T
 
 
 def trajectories_in_si(
-    system: System,
-    units: Units,
-    parameters: dict[str, Any],
-    cost: tuple[float, float, int],
+    tool: Tool, system: System, units: Units, parameters: dict[str, Any]
 ) -> tuple[Trajectory, ...]:
     """Return one trajectory for each wire, in SI units, from a system that has run.
 
     Args:
+        tool: the tool that was simulated.
         system: the system after its run.
         units: conversion factors from engine units to SI units.
         parameters: the input of the run, as plain numbers and strings.
-        cost: wall time, s, processor time, s, and number of engine steps.
     """
     recording = system.recording
+    wall = clock.perf_counter() - recording.begun_wall
+    cpu = clock.process_time() - recording.begun_cpu
     scene = system.scene
     size = scene.mechanism.wire_links
     forces = np.array(recording.forces) * units.force
@@ -61,13 +62,15 @@ def trajectories_in_si(
                 contacts=contacts_in_si(recording.contacts, scene.mechanism, number, units),
                 stop_reason=recording.stop_reason or StopReason.END,
                 cost=Cost(
-                    *cost,
+                    wall,
+                    cpu,
+                    scene.engine.steps,
                     recording.error / motion_scale(scene, recording.states[0]),
                     None if recording.lost is None else recording.lost * units.time,
                 ),
                 parameters=parameters,
                 stop_detail=recording.stop_detail,
-            )
+            ).with_places(tool)
         )
     return tuple(found)
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import dataclasses
 import logging
 import math
-import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +23,6 @@ from bristle_sim.scene.build import (
     MOST_DAMPING,
     Scene,
     damped_interval,
-    damping_rate,
     motion_scale,
     time_scale,
 )
@@ -107,7 +105,10 @@ def simulate(
             contact.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
-    (run,) = run_in_si(tool, *prepare(tool, settings, begin, stop_after=stop_after))
+    system, units, parameters = prepare(tool, settings, begin, stop_after=stop_after)
+    for _ in run_by_intervals(system):
+        pass
+    (run,) = trajectories_in_si(tool, system, units, parameters)
     return run
 
 
@@ -149,22 +150,10 @@ def simulate_row(
     """
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
     begin = (start_hub_angle, 0.0, 0.0)
-    return run_in_si(tool, *prepare(tool, settings, begin, row, stop_after=stop_after))
-
-
-def run_in_si(
-    tool: Tool, system: System, units: Units, parameters: dict[str, Any]
-) -> tuple[Trajectory, ...]:
-    """Run a prepared system to its end and return one trajectory for each wire, in SI units."""
-    engine = system.scene.engine
-    wall = clock.perf_counter()
-    cpu = clock.process_time()
-    steps = engine.steps
+    system, units, parameters = prepare(tool, settings, begin, row, stop_after=stop_after)
     for _ in run_by_intervals(system):
         pass
-    cost = (clock.perf_counter() - wall, clock.process_time() - cpu, engine.steps - steps)
-    runs = trajectories_in_si(system, units, parameters, cost)
-    return tuple([run.with_places(tool) for run in runs])
+    return trajectories_in_si(tool, system, units, parameters)
 
 
 def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]]:
@@ -239,7 +228,19 @@ def prepare(
     angles = tuple([mechanism.root_angle(link, 0.0) + described.relative_angle for link in links])
     start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
-    plan = _plan(scene, settings, stop_after)
+    # The run ends when the last root is hub_turn past the starting angle of the foremost root.
+    turn = settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch
+    speed = mechanism.hub_speed
+    plan = Plan(
+        end=turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
+        accuracy=settings.accuracy,
+        stop_after=stop_after,
+        longest_interval=2.0 * math.pi / settings.samples,
+        damped_interval=damped_interval(scene),
+        maximum_steps=settings.maximum_steps,
+        retraction_limit=RETRACTION_LIMIT,
+        time_scale=time_scale(scene),
+    )
     damping = tool.bristle.bending_damping_ratio
     least_steps = DAMPED_STEPS * plan.end / plan.damped_interval
     if damping and stop_after is None and least_steps > settings.maximum_steps:
@@ -259,25 +260,6 @@ def prepare(
     if row is not ONE_BRISTLE:
         parameters["row"] = dataclasses.asdict(row)
     return System(scene, start, stepper, plan, law=law), units, parameters
-
-
-def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
-    """Return the plan of a run, which ends when the last root is ``hub_turn`` past the starting
-    angle of the foremost root.
-    """
-    mechanism = scene.mechanism
-    turn = settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch
-    speed = mechanism.hub_speed
-    return Plan(
-        end=turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
-        accuracy=settings.accuracy,
-        stop_after=stop_after,
-        longest_interval=2.0 * math.pi / settings.samples,
-        damped_interval=damped_interval(scene),
-        maximum_steps=settings.maximum_steps,
-        retraction_limit=RETRACTION_LIMIT,
-        time_scale=time_scale(scene),
-    )
 
 
 # least number of engine steps in the longest damped interval with which the differences between
@@ -304,29 +286,22 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
         ValueError: if the motion is so small that rounding error exceeds the requested accuracy.
     """
     scale = motion_scale(scene, start)
-    fraction = LOCAL_FRACTION
     least = LEAST_NOISE / (LOCAL_FRACTION * scale)
     if settings.accuracy < least:
         raise ValueError(
             f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for so small and slow a motion,"
             " or rounding would hide its errors (dimensionless)"
         )
-    damping = scene.effects.damping
-    stiffness = scene.effects.stiffness
-    rate = damping_rate(scene)
-    if not scene.mechanism.single_link:
-        fraction *= min(
-            1.0, SOME_INTERVALS * MOST_DAMPING / (plan.end * max(rate, 1.0 / plan.time_scale))
-        )
-    elif damping and stiffness:
-        fraction *= min(
-            1.0, SOME_INTERVALS * MOST_DAMPING / (min(plan.end, damping / stiffness) * rate)
-        )
+    if scene.mechanism.single_link:
+        stiffness = scene.effects.stiffness
+        relaxation = scene.effects.damping / stiffness if stiffness else 0.0
+        intervals = min(plan.end, relaxation) / plan.damped_interval
+    else:
+        intervals = plan.end / min(plan.damped_interval, MOST_DAMPING * plan.time_scale)
+    tolerance = settings.accuracy * LOCAL_FRACTION / max(1.0, intervals / SOME_INTERVALS)
     longest = min(2.0 * plan.longest_interval, plan.damped_interval)
     damped_step = plan.damped_interval / DAMPED_STEPS
-    return Extrapolation(
-        fraction * settings.accuracy, scale, longest=longest, damped_step=damped_step
-    )
+    return Extrapolation(tolerance, scale, longest=longest, damped_step=damped_step)
 
 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -92,6 +93,8 @@ class Recording:
             there; None without such an impact.
         stop_reason: why the run has stopped; None while it goes on.
         stop_detail: the contact law's explanation of the stop; empty without one.
+        begun_wall: wall clock at the beginning of the run, s.
+        begun_cpu: processor time at the beginning of the run, s.
     """
 
     states: list[State] = field(default_factory=list)
@@ -103,6 +106,8 @@ class Recording:
     lost: float | None = None
     stop_reason: StopReason | None = None
     stop_detail: str = ""
+    begun_wall: float = field(default_factory=clock.perf_counter)
+    begun_cpu: float = field(default_factory=clock.process_time)
 
 
 class System:
