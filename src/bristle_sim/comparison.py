@@ -4,7 +4,7 @@ and sentences.
 A table has one row for each quantity. The same rule of agreement applies to every row.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
@@ -17,6 +17,7 @@ Values = Mapping[str, float | None]
 UNKNOWN: Values = MappingProxyType({})
 
 SIDES = ("simulated", "theory", "reference", "printed")
+JUDGES = ("reference", "theory", "printed")  # sources of compared values, the best first
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,8 @@ class Quantity:
     label: str = ""
 
     def __post_init__(self) -> None:
+        if self.judge is None:
+            object.__setattr__(self, "tolerance", None)
         if not self.label:
             object.__setattr__(self, "label", self.name.removesuffix("_deg").replace("_", " "))
 
@@ -52,20 +55,16 @@ class Quantity:
     def judge_name(self) -> str | None:
         """Source of the value with which the simulated value is compared.
 
-        It is the first source that has a value: ``reference``, then ``theory``, then ``print``. It
-        is None if no source has a value.
+        It is the first source that has a value: ``reference``, then ``theory``, then ``printed``.
+        It is None if no source has a value.
         """
-        if self.reference is not None:
-            return "reference"
-        if self.theory is not None:
-            return "theory"
-        return None if self.printed is None else "print"
+        known = (name for name in JUDGES if getattr(self, name) is not None)
+        return next(known, None)
 
     @property
     def judge(self) -> float | None:
         """Value with which the simulated value is compared; None if there is no such value."""
-        first = self.theory if self.reference is None else self.reference
-        return self.printed if first is None else first
+        return getattr(self, self.judge_name) if self.judge_name else None
 
     @property
     def relative_difference(self) -> float | None:
@@ -85,7 +84,7 @@ class Quantity:
 
         NaN is never within a tolerance.
         """
-        if self.tolerance is None or self.judge is None:
+        if self.tolerance is None:
             return None
         difference = self.relative_difference if self.judge else self.simulated
         return difference is not None and bool(abs(difference) <= self.tolerance)
@@ -100,41 +99,38 @@ class Quantity:
 
 
 def rows(
-    units: Mapping[str, str | tuple[str, str]],
+    units: Mapping[str, tuple[str, str]],
     simulated: Values,
     theory: Values = UNKNOWN,
     reference: Values = UNKNOWN,
     printed: Values = UNKNOWN,
-    tolerance: float | Callable[[str], float | None] | None = None,
+    tolerances: Values = UNKNOWN,
 ) -> tuple[Quantity, ...]:
     """Return the rows of a table: for each name in ``units`` a quantity with all its values.
 
     Args:
-        units: unit, or (label, unit), by name.
+        units: label and unit by name; an empty label stands for the name in words.
         simulated: simulated values by name.
         theory: values of closed forms by name.
         reference: values of the independent solution by name.
         printed: printed values by name.
-        tolerance: tolerance of all quantities, or a function that returns it for a name. It applies
-            only to quantities with a value to compare with.
+        tolerances: tolerances by name.
     """
-    found = []
-    for name, declared in units.items():
-        label, unit = ("", declared) if isinstance(declared, str) else declared
-        row = Quantity(
-            name,
-            unit,
-            simulated.get(name),
-            theory.get(name),
-            reference.get(name),
-            printed.get(name),
-            None,
-            label,
-        )
-        if row.judge is not None:
-            row = replace(row, tolerance=tolerance(name) if callable(tolerance) else tolerance)
-        found.append(row)
-    return tuple(found)
+    return tuple(
+        [
+            Quantity(
+                name,
+                unit,
+                simulated.get(name),
+                theory.get(name),
+                reference.get(name),
+                printed.get(name),
+                tolerances.get(name),
+                label,
+            )
+            for name, (label, unit) in units.items()
+        ]
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,7 +261,8 @@ def cells(
             "-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values
         ]
         difference = relative_text(each.relative_difference, "+")
-        difference += "" if difference == "-" else f" {each.judge_name}"
+        if each.judge_name and difference != "-":
+            difference += f" {each.judge_name.removesuffix('ed')}"
         tail = (
             difference,
             relative_text(each.tolerance),

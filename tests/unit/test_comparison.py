@@ -26,7 +26,7 @@ def row(simulated: float | None, **sides: float | None) -> Quantity:
     [
         ({"theory": 2.0, "reference": 4.0, "printed": 5.0}, 4.0, "reference", -1.5),
         ({"theory": -4.0, "printed": 5.0}, -4.0, "theory", 0.5),
-        ({"printed": 5.0}, 5.0, "print", -1.4),
+        ({"printed": 5.0}, 5.0, "printed", -1.4),
         ({"theory": 0.0, "printed": 5.0}, 0.0, "theory", None),
         ({}, None, None, None),
     ],
@@ -145,7 +145,7 @@ def test_units_that_an_engineer_reads(value: float, unit: str, shown: str):
 
 
 def test_a_row_is_shown_by_its_label_and_kept_by_its_key():
-    labels = {"normal_final_impulse": ("normal impulse p_f", "N s"), "lag_deg": "deg"}
+    labels = {"normal_final_impulse": ("normal impulse p_f", "N s"), "lag_deg": ("", "deg")}
     (labelled, plain) = rows(labels, {"lag_deg": 1.0})
     assert [labelled.as_dict()[key] for key in ("name", "label")] == [
         "normal_final_impulse",

@@ -131,7 +131,7 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
     for each in (each for each in whole.forces[-1] if each.obstacle == "workpart"):
         if each.course:
             time = np.linspace(each.begin, each.end, 200)
-            force = each.course(time)[:, 0]
+            force = each.course(time)
             angle = turned * time
             axes.fill_between(angle, force, color=SKY, linewidth=0.0)
             axes.plot([angle[0], *angle], [0.0, *force], color=BLUE)

@@ -123,7 +123,7 @@ def cue_map(
     check = checked_by_scene(tool, settings, bar_search.centre_of(tool, directions))
     return Report(
         quantities=rows(
-            QUANTITIES, simulated, theory, referred, printed, within.get if with_reference else None
+            QUANTITIES, simulated, theory, referred, printed, within if with_reference else UNKNOWN
         ),
         remarks=(
             f"the formula with centrifugal stiffening: {math.degrees(bar_search.stiffened_direction(tool)):.3f} deg",

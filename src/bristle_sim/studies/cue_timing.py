@@ -294,7 +294,7 @@ def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quant
             leverage = cue.bar_distance / max(abs(getattr(cue, name)), 1e-300)
             within[name] *= max(1.0, cue.bar_direction) * leverage
     simulated, theory, reference = map(_values, (timing.simulated, timing.formula, cue))
-    return rows(QUANTITIES, simulated, theory, reference, printed, within.get)
+    return rows(QUANTITIES, simulated, theory, reference, printed, within)
 
 
 def _tolerance(settings: Settings) -> float:

@@ -166,8 +166,8 @@ def flexible_wire(
     if with_reference and friction <= REFERENCE_FRICTION:
         reference = _reference(struck, outcome)
     simulated = own | {RATIO: ratios(own, stiff)["normal_final_impulse"]}
-    allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
     units = MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}
+    within = dict.fromkeys(reference, max(1e-8, 10.0 * settings.accuracy))
     remarks = [
         f"theory: the beam for the frequencies, else the rigid bristle at the contact stiffness of {struck.stiffness:.4g} N/m",
         f"The crater is cut in API 5L steel with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression.",
@@ -182,7 +182,7 @@ def flexible_wire(
         **record_fields(wire.contact, wire, strike=0.0, release=wire.contact.duration),
         quantities=(
             *_frequencies(tool, with_reference),
-            *rows(units, simulated, stiff, reference, tolerance=allowed),
+            *rows(units, simulated, stiff, reference, tolerances=within),
         ),
         remarks=tuple(remarks),
         subject=FlexibleWire(struck, wire, rigid),

@@ -141,7 +141,7 @@ def force_comparison(
         source = _measured_in_words(measured)
         name = "the curve fitted to the measurement"
         checks = _measured_rows(measured)
-    main = rows(QUANTITIES, simulated, theory, {}, printed, within.get)
+    main = rows(QUANTITIES, simulated, theory, {}, printed, within)
     if contact is not None:
         fields = contact_fields(contact, end=float(contact.time[-1]))
         speed = f"{contact.tip_speed:.2f} m/s with mu = {surface.friction:g}"

@@ -119,7 +119,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     reference = _reference(tool) if with_reference else {}
     return Report(
         quantities=rows(
-            QUANTITIES, simulated, _theory(tool, strike_speed), reference, tolerance=within.get
+            QUANTITIES, simulated, _theory(tool, strike_speed), reference, tolerances=within
         ),
         events=() if radial is None else (("radial", radial.time),),
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,

@@ -345,4 +345,5 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
         return 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
 
     units = {"wire_contacts": ("touches of its wire", "1"), **STRIKE}
-    return rows(units, simulated, theory, referred, tolerance=tolerance)
+    within = {name: tolerance(name) for name in units}
+    return rows(units, simulated, theory, referred, tolerances=within)

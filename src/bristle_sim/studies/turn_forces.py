@@ -9,59 +9,47 @@ to a unit impulse is h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2) with w = 
 the bandwidth it passes half the power.
 """
 
-import itertools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Bar, Tool
 from bristle_sim.studies.pass_invariants import (
-    arms_at,
     complex_points,
-    levers,
+    impulse_moment,
+    in_plane,
     nearest,
-    touched,
-    wire_lines,
+    quadrature,
+    surface_point,
 )
-from bristle_sim.trajectory import ContactRecord, Trajectory
+from bristle_sim.trajectory import ContactRecord, Interpolation, Trajectory
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Nodes and weights of a Gauss-Legendre rule on (-1, 1). Over an interval of length h with |p| h <= 1
 its error for a cubic times exp(p t) is rounding error."""
 
 
-CLOSEST_NODES = 0.05
-"""Smallest distance of a spline's nodes, over their largest distance.
-
-Near a release the samples of the simulation are so close to each other that a spline through all of
-them would follow their rounding errors."""
-
-
 @dataclass(frozen=True, slots=True)
 class Force:
-    """A force of an obstacle on the bristle: an impact, or a smooth interval of a sustained
-    contact.
+    """A force of an obstacle on the bristle: an impact, or a sustained contact.
 
     Attributes:
         obstacle: name of the obstacle.
         begin, end: start and end, s; equal for an impact.
         integral: impulses of the normal and the tangential force, N s, and time integral of their
             moment, N m s.
-        course: normal and tangential force, N, and moment, N m, as functions of time; None for an
-            impact.
+        course: normal force over time, N; None for an impact.
     """
 
     obstacle: str
     begin: float
     end: float
     integral: Array
-    course: Any = None
+    course: Callable[[Array], Array] | None = None
 
 
 def load_cell_response(
@@ -114,7 +102,7 @@ def _weighed(
     The intervals begin at ``start`` and have the given lengths; p is the filter's pole.
     """
     offset = 0.5 * length[:, np.newaxis] * (1.0 + NODES)
-    values = course(start + offset)[..., 0]
+    values = course(start + offset)
     return np.asarray(
         0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS)
     )
@@ -122,14 +110,23 @@ def _weighed(
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
     """Return all forces of bar and workpart on a rigid bristle in one revolution, in order of time."""
-    found = list[Force]()
+    motion = Interpolation(run)
+
+    def normal_force(time: Array) -> Array:
+        """Return the normal force of sustained contacts at instants, N."""
+        return motion.normal_force(time.ravel(), "before").reshape(time.shape)
+
+    found = []
     for contact in run.contacts:
         if contact.law == "sustained":
-            found += _sustained(tool, run, contact)
-            continue
-        moment = arms_at(tool, run, contact)[0] @ contact.impulse
+            begin, end, moment = _sustained(tool, motion, contact)
+            course = normal_force
+        else:
+            begin = end = contact.time
+            moment = impulse_moment(tool, contact)
+            course = None
         integral = np.array([*contact.impulse, moment])
-        found.append(Force(contact.obstacle, contact.time, contact.time, integral))
+        found.append(Force(contact.obstacle, begin, end, integral, course))
     return tuple(found)
 
 
@@ -139,108 +136,39 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
 
     The losses in impacts are those of the impact law. The work of friction in sustained contacts is
     summed over the steps of the simulation. The work of damping is the integral of c alpha'^2, with
-    the belt's damping c and the relative angle alpha. Splines are fitted separately between the
-    instants at which the acceleration jumps, and integrated.
+    the belt's damping c and the relative angle alpha.
     """
     lost = -sum(sum(each.work or ()) for each in run.contacts)
-    if not tool.belt_damping:
-        return lost
-    breaks = [edge for each in turn_forces(tool, run) for edge in (each.begin, each.end)]
-    power = tool.belt_damping * run.relative_rate**2
-    for begin, end in itertools.pairwise(np.unique([run.time[0], *breaks, run.time[-1]])):
-        # At an impact the later of two samples begins an interval, and the earlier one ends the
-        # interval before.
-        first, last = (
-            np.searchsorted(run.time, begin, "right") - 1,
-            np.searchsorted(run.time, end, "left"),
-        )
-        lost += float(
-            CubicSpline(run.time[first : last + 1], power[first : last + 1]).integrate(begin, end)
-        )
+    if tool.belt_damping:
+        instants, weights = quadrature(run.time)
+        lost += tool.belt_damping * float((weights * run.at(instants).relative_rate ** 2).sum())
     return lost
 
 
-def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Force]:
-    """Return the forces of a sustained contact, divided at the instants at which its force jumps.
-
-    It jumps where the bar reaches the wire's end, and where slip reverses. The sample at a jump has
-    the force before the jump. Each spline therefore begins one sample later and is extrapolated
-    back to the jump.
+def _sustained(
+    tool: Tool, motion: Interpolation, contact: ContactRecord
+) -> tuple[float, float, float]:
+    """Return start and end of a sustained contact, s, and the time integral of its force's moment,
+    N m s.
     """
-    # The factor makes up for the rounding of the sum, by which the sample at the end could be
-    # missed.
-    end = (contact.time + contact.duration) * (1.0 - 1e-15)
-    rows = np.arange(
-        np.searchsorted(run.time, contact.time, "right") - 1,
-        np.searchsorted(run.time, end, "left") + 1,
-    )
-    rows = rows[rows < len(run.time)]
-    time = run.time[rows]
-    force = run.normal_force[rows]
-    lines = complex_points(run.centre_line[rows])
-    states = _slip_and_place(tool, run, contact.obstacle, rows)
-    # The earlier of two samples at a jump has the force before the jump.
-    jumps = np.searchsorted(
-        time, time[np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1]
-    )
-    part = tool.workpart if contact.obstacle == "workpart" else tool.bar
+    ends = (contact.time, contact.time + contact.duration)
+    first, last = (int(abs(motion.run.time - each).argmin()) for each in ends)
+    time = motion.run.time[first : last + 1]
+    instants, weights = quadrature(time)
+    at = motion(instants)
+    lines = complex_points(at.centre_line)
+    part = tool.bar if contact.obstacle == "bar" else tool.workpart
     assert part is not None
-    arms = levers(*touched(tool, contact.obstacle, lines))
-    if contact.outcome == "release":
-        force[-1] = 0.0
-    found = []
-    for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
-        own = _spaced(time, first, last)
-        forces = np.stack([force[own], -part.friction * states[0, first] * force[own]], axis=-1)
-        values = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)])
-        nodes = time[own]
-        if len(own) == 1:
-            nodes = np.array([nodes[0] - 1.0, nodes[0]])
-            values = np.repeat(values, 2, axis=0)
-        course = CubicSpline(nodes, values)
-        begin = float(time[first])
-        end = float(time[last])
-        found.append(
-            Force(contact.obstacle, begin, end, np.asarray(course.integrate(begin, end)), course)
-        )
-    # No spline follows a force that falls to 0 within the last interval; the lever hardly changes
-    # there.
-    short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
-    found[-1].integral[2] += arms[-1] @ short
-    return found
-
-
-def _spaced(time: Array, first: int, last: int) -> list[int]:
-    """Return the indices of samples that are far enough apart for a spline, from ``first``
-    (excluded) to ``last``.
-    """
-    kept = [last]
-    closest = CLOSEST_NODES * np.diff(time[first : last + 1]).max()
-    for row in range(last - 1, first, -1):
-        if time[kept[-1]] - time[row] >= closest:
-            kept.append(row)
-    return kept[::-1]
-
-
-def _slip_and_place(tool: Tool, run: Trajectory, obstacle: str, rows: Any) -> Array:
-    """Return two numbers for each interval between samples, which change where the contact force
-    jumps.
-
-    The first is the sense of slip, -1, 0 or 1. The second is the index of the wire's straight
-    segment at the bar; at a corner it is halfway between the indices of the two segments.
-    """
-    hub, angle, rate = (
-        0.5 * (each[rows][1:] + each[rows][:-1])
-        for each in (run.hub_angle, run.angles[:, -1], run.rates[:, -1])
-    )
-    lines = wire_lines(tool, hub, angle)
-    root = lines[:, 0]
-    normal, point = touched(tool, obstacle, lines)
-    velocity = 1j * (tool.hub.speed * root + rate * (point - root))
-    slips = np.sign((np.conj(velocity) * normal).imag)
-    if obstacle == "workpart":
-        return np.stack([slips, 0.0 * slips])
-    piece, fraction, _ = nearest(tool, lines)
-    return np.stack(
-        [slips, piece + 0.5 * (fraction >= 1.0) - 0.5 * (fraction <= 0.0) * (piece > 0)]
-    )
+    corner = 1 if contact.point == "knee" else -1
+    place = nearest(part, lines) if isinstance(part, Bar) else lines[..., corner]
+    normal, point = surface_point(tool, contact.obstacle, place)
+    root = lines[..., 0]
+    velocity = 1j * (tool.hub.speed * root + at.rates[..., -1] * (point - root))
+    slip = np.sign((np.conj(velocity) * normal).imag)
+    pushed = weights * at.normal_force
+    impulse = np.stack([pushed, -part.friction * slip * pushed])
+    # No polynomial follows a force that falls to 0 within the last interval. The lever hardly
+    # changes there, so what is missing of the impulse acts with the last lever.
+    impulse[:, -1, -1] += np.subtract(contact.impulse, impulse.sum(axis=(1, 2)))
+    moment = float((np.conj(point) * in_plane(normal, impulse)).imag.sum())
+    return float(time[0]), float(time[-1]), moment

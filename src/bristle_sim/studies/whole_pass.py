@@ -106,7 +106,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         _formulas(tool),
         referred,
         PRINTED if tool == Tool() else UNKNOWN,
-        within.get,
+        within,
     )
     invariants = invariant_rows(tool, settings, run)
     notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]

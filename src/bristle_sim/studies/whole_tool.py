@@ -11,6 +11,7 @@ without damping of the belt. A bristle that rebounds from every obstacle need no
 """
 
 import dataclasses
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -219,33 +220,18 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
     speed = whole.tool.hub.speed
     turns = whole.assembly.bristles * speed / (2.0 * math.pi)
     rate = turns / len(runs)
-    forces = [each for turn in whole.forces for each in turn]
-    pressed = [
-        [each.impulse for each in run.contacts if each.obstacle == "workpart"] for run in runs
-    ]
-    normal, tangential = rate * np.sum(
-        [(0.0, 0.0), *(each for run in pressed for each in run)], axis=0
-    )
-    hand, by_bar = (
-        0.0 - rate * float(sum(each.integral[2] for each in forces if each.obstacle == obstacle))
-        for obstacle in ("workpart", "bar")
-    )
-    drive = hand + by_bar
-    struck = rate * sum(map(bool, pressed))
+    pushed = {obstacle: np.zeros(3) for obstacle in ("workpart", "bar")}
+    for each in itertools.chain(*whole.forces):
+        pushed[each.obstacle] += rate * each.integral
+    normal, tangential, hand = pushed["workpart"].tolist()
+    drive = 0.0 - hand - pushed["bar"][2]
+    struck = rate * sum(run.first_contact("workpart") is not None for run in runs)
     low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
-    simulated = (
-        struck,
-        normal,
-        0.0 - tangential,
-        drive,
-        hand,
-        drive * speed,
-        float(low),
-        float(high),
-    )
+    # 0.0 - x: no force is shown as 0, not as -0
+    simulated = (struck, normal, 0.0 - tangential, drive, 0.0 - hand, drive * speed, low, high)
     theory: dict[str, float] = {"impact_rate": turns}
     if whole.turn.repeats:
         power = rate * dissipated(tool, runs[-1])
         theory |= {"mean_torque": power / speed, "drive_power": power}
     within = {"mean_torque": tolerance, "drive_power": tolerance}
-    return rows(UNITS, dict(zip(UNITS, simulated, strict=True)), theory, tolerance=within.get)
+    return rows(UNITS, dict(zip(UNITS, simulated, strict=True)), theory, tolerances=within)
