@@ -166,8 +166,7 @@ class TestImpact:
         true = contact_laws._of_single_link
 
         def off(scene, pose, touch):
-            nearer = (0.999 * touch.arm[0], 0.999 * touch.arm[1])
-            return true(scene, pose, touch._replace(arm=nearer))
+            return true(scene, pose, touch._replace(arm=0.999 * touch.arm))
 
         monkeypatch.setattr(contact_laws, "_of_single_link", off)
         assert check_strike_ledger in failing()

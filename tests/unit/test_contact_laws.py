@@ -9,7 +9,7 @@ from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.parameters import Bristle, Surface, Tool
 from bristle_sim.scene import impacts
 from bristle_sim.scene.impacts import EngineLaw
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.mechanism import State, xy
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.strike import Chain, build_strike
 from bristle_sim.scene.tool import build_tool
@@ -72,7 +72,7 @@ def test_a_wire_flies_after_an_impact_of_the_engine_as_before_it() -> None:
     """The engine would scale the impulses of the impact's step of 1e-12 to that of the flight, by 1e9."""
     scene, _ = build_tool(Tool(bristle=Bristle(links=4)))
     state = State(0.0, (-0.3, -0.4, -0.2, -0.5), (1.0, 2.0, 1.0, 3.0))
-    tip = scene.mechanism.poses(state)[-1].tip
+    tip = scene.mechanism.poses(state)[-1].corners[-1]
     step = 1e-3
 
     def flight() -> list[float]:
@@ -81,7 +81,7 @@ def test_a_wire_flies_after_an_impact_of_the_engine_as_before_it() -> None:
         return scene.engine.take_symmetric(step, 4)[:8]
 
     before = flight()
-    EngineLaw().resolve(scene, state, WorkpartPair(-tip[1], 0.3, 0.3, 0.5, link=3))
+    EngineLaw().resolve(scene, state, WorkpartPair(-tip.imag, 0.3, 0.3, 0.5, link=3))
     assert flight() == pytest.approx(before, rel=1e-12)
 
 
@@ -94,7 +94,7 @@ def test_a_single_link_has_the_contact_space_of_its_body_and_joint(angle: float)
     touch, found = impacts.contact_at(scene, state, pair)
     (pose,) = scene.mechanism.poses(state)
     (body,) = scene.links
-    exact = contact_space(body, pose.tip, touch.normal)
+    exact = contact_space(body, xy(pose.corners[-1]), xy(touch.normal))
     for name in ("inverse_mass", "velocity", "response", "in_stick", "stick_compliance"):
         expected = np.array(getattr(exact, name))
         assert getattr(found, name) == pytest.approx(expected, rel=1e-13, abs=1e-13), name

@@ -10,6 +10,7 @@ when the step is extrapolated to zero. For the same reason touching shapes are n
 
 from __future__ import annotations
 
+import cmath
 import functools
 import itertools
 import math
@@ -21,7 +22,7 @@ import pymunk
 from bristle_sim.contact_space.joints import Connected
 from bristle_sim.scene.engine import EngineSteps
 from bristle_sim.scene.link_solver import LinkVelocity
-from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.mechanism import Mechanism, State, xy
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.solver import WireVelocities
 
@@ -125,10 +126,10 @@ class Scene:
         for pose, angle, rate in zip(
             self.mechanism.poses(state), state.angles, state.rates, strict=True
         ):
-            x, y = pose.centre
-            u = pose.joint_velocity[0] - rate * (y - pose.joint[1])
-            v = pose.joint_velocity[1] + rate * (x - pose.joint[0])
-            values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
+            velocity = pose.velocity + 1j * rate * (pose.centre - pose.joint)
+            place = pose.centre + drift * velocity
+            turned = angle - self.turned + drift * rate
+            values += (place.real, place.imag, turned, velocity.real, velocity.imag, rate)
         self.engine.place(values)
 
     @property
@@ -149,15 +150,15 @@ def _add_links(
         if number % mechanism.wire_links == 0:
             carrier = hub or space.static_body
             lag = number // mechanism.wire_links * mechanism.pitch
-            anchor = (-mechanism.hub_radius * math.sin(lag), -mechanism.hub_radius * math.cos(lag))
+            anchor = -1j * cmath.rect(mechanism.hub_radius, -lag)
         body = pymunk.Body(link.mass, link.inertia)
-        joint = pymunk.PivotJoint(carrier, body, anchor, (-link.centre[0], -link.centre[1]))
+        joint = pymunk.PivotJoint(carrier, body, xy(anchor), xy(-link.centre))
         joint.error_bias = 1.0
         space.add(body, joint)
         bodies.append(body)
         joints.append(joint)
         carrier = body
-        anchor = (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
+        anchor = link.corners[-1] - link.centre
     return bodies, joints
 
 
@@ -233,7 +234,7 @@ def motion_scale(scene: Scene, start: State) -> float:
     if effects.pairs or not mechanism.single_link:
         return 1.0
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
-    stiffness = (effects.stiffness or 0.0) + link.mass * math.hypot(*link.centre) * field
+    stiffness = (effects.stiffness or 0.0) + link.mass * abs(link.centre) * field
     swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * math.sqrt(
         stiffness / link.inertia_about_joint
     )

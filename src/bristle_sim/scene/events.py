@@ -149,10 +149,10 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         """Return the acceleration of a rigid bristle in flight, by its equation of motion."""
         time, angles, rates = at.state
         pose = mechanism.poses(at.state)[link]
-        arm = (pose.centre[0] - pose.joint[0], pose.centre[1] - pose.joint[1])
+        arm = pose.centre - pose.joint
         moment = (effects.stiffness or 0.0) * (mechanism.root_angle(link, time) - angles[link])
         moment += effects.damping * (mechanism.hub_speed - rates[link])
-        carried = mechanism.hub_speed**2 * cross(arm, pose.joint) - effects.gravity * arm[0]
+        carried = mechanism.hub_speed**2 * cross(arm, pose.joint) - effects.gravity * arm.real
         own = mechanism.links[link]
         return (moment + own.mass * carried) / own.inertia_about_joint
 
@@ -227,9 +227,6 @@ def _rigid_events(
     def slip(at: IntervalResult) -> float:
         return (contact.slip or 1) * gaps.closest(pair, at.state).velocity[1]
 
-    def kink(number: int, at: IntervalResult) -> float:
-        return gaps.closest(pair, at.state).kinks[number]
-
     yield Event(compliance, -1, Kind.LOCKED, contact)
     yield Event(push, -1, Kind.RELEASE, (contact,))
     if contact.slip == 0:
@@ -238,15 +235,13 @@ def _rigid_events(
         yield Event(slip, -1, Kind.SLIP_STOPS, contact)
     elif pair.friction:
         yield Event(slip, 0, Kind.KINK, contact)
-    for number in range(len(gaps.closest(pair, system.state).kinks)):
-        yield Event(partial(kink, number), 0, Kind.KINK, contact)
 
 
 def _bar_events(
     system: System, contact: ActiveContact, pair: BarPair, piece: int
 ) -> Iterator[Event]:
-    """Yield the events of a bar contact that slides over a joint, or whose bent link touches the
-    bar with another segment.
+    """Yield the events of a bar contact that slides over a knee, a joint or the tip, or whose bent
+    link touches the bar with another segment.
 
     ``piece``: index of the touching straight segment of the link. The contact passes to another
     segment by an impact.
@@ -257,17 +252,20 @@ def _bar_events(
     def beside(at: IntervalResult) -> float:
         return pair.gap_beside(mechanism.poses(at.state)[pair.link], piece)
 
-    def before(at: IntervalResult) -> float:
-        return pair.foot(mechanism.poses(at.state)[pair.link])[0]
+    def passed(end: int, at: IntervalResult) -> float:
+        return pair.ends_passed(mechanism.poses(at.state)[pair.link])[end]
 
     def after(following: BarPair, at: IntervalResult) -> float:
-        poses = mechanism.poses(at.state)
-        return min(pair.foot(poses[pair.link])[1], following.foot(poses[following.link])[0])
+        pose = mechanism.poses(at.state)[following.link]
+        return min(passed(-1, at), following.ends_passed(pose)[0])
 
-    if mechanism.links[pair.link].knees:
+    ends = 2 * len(mechanism.links[pair.link].corners) - 2
+    for end in range(1, ends):
+        yield Event(partial(passed, end), 0, Kind.KINK, contact)
+    if ends > 2:
         yield Event(beside, -1, Kind.TOUCH, pair)
     if lower is not None:
-        yield Event(before, -1, Kind.HAND_OVER, (contact, lower))
+        yield Event(partial(passed, 0), -1, Kind.HAND_OVER, (contact, lower))
     if upper is not None:
         yield Event(partial(after, upper), 1, Kind.HAND_OVER, (contact, upper))
 

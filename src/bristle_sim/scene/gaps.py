@@ -43,7 +43,7 @@ class Gaps:
         units.
         """
         poses = self.mechanism.poses(state)
-        return poses[pair.link].joint[0] + pair.closest(poses, state.rates).arm[0]
+        return (poses[pair.link].joint + pair.closest(poses, state.rates).arm).real
 
 
 LEAST_LEVER = 1e-6
@@ -77,12 +77,12 @@ def contact_rows(
 
     The angular velocity of the touching link enters with the arm from its joint to the contact
     point. The angular velocity of a link nearer the root enters with the arm from that link's joint
-    to its tip. With points as complex numbers, the lever of the normal n about the start of an arm
-    r is Re(i conj(n) r); the lever of the tangent is -Im(i conj(n) r).
+    to its tip. The lever of the normal n about the start of an arm r is Re(i conj(n) r); the lever
+    of the tangent is -Im(i conj(n) r).
     """
     rows = np.zeros((len(contacts), len(turn)), complex)
     for row, (pair, _, _), touch in zip(rows, contacts, touches, strict=True):
-        across = 1j * complex(*touch.normal).conjugate()
+        across = 1j * touch.normal.conjugate()
         for link, arm, factor in (
             (pair.link, touch.arm, across),
             (pair.partner, touch.partner_arm, -across),
@@ -90,7 +90,7 @@ def contact_rows(
             if link is not None and arm is not None:
                 carriers = slice(link - link % mechanism.wire_links, link)
                 row[carriers] += factor * mechanism.constants.tips[carriers] * turn[carriers]
-                row[link] += factor * complex(*arm)
+                row[link] += factor * arm
     return rows.real, -rows.imag
 
 

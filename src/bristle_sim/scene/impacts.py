@@ -21,8 +21,8 @@ import pymunk
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.scene.build import SHAPE_MARGIN, Scene
-from bristle_sim.scene.mechanism import Pose, State, Vector, cross
-from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair
+from bristle_sim.scene.mechanism import Pose, State, Vector, cross, xy
+from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair, components
 from bristle_sim.scene.spring import Spring
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
@@ -106,12 +106,11 @@ def contact_at(
     touch = pair.closest(poses, state.rates)
     if scene.mechanism.single_link:
         return touch, _of_single_link(scene, poses[0], touch)
-    joint = poses[pair.link].joint
-    point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
+    point = poses[pair.link].joint + touch.arm
     partner = None if pair.partner is None else scene.links[pair.partner]
     connected = scene.connected if scene.mechanism.wires == 1 else None
     return touch, contact_space(
-        scene.links[pair.link], point, touch.normal, partner, connected=connected
+        scene.links[pair.link], xy(point), xy(touch.normal), partner, connected=connected
     )
 
 
@@ -124,12 +123,11 @@ def _of_single_link(scene: Scene, pose: Pose, touch: ClosestApproach) -> Contact
     """
     normal = cross(touch.arm, touch.normal)
     along = cross(touch.arm, touch.tangent)
-    if abs(along) <= LEVER_ROUNDING * math.hypot(*touch.arm):
+    if abs(along) <= LEVER_ROUNDING * abs(touch.arm):
         along = 0.0
     levers = np.array([normal, along])
     turning = levers / scene.mechanism.links[0].inertia_about_joint
-    x, y = pose.centre[0] - pose.joint[0], pose.centre[1] - pose.joint[1]
-    response = np.outer((-y, x, 1.0), turning)
+    response = np.outer((*xy(1j * (pose.centre - pose.joint)), 1.0), turning)
     return ContactSpace(
         inverse_mass=np.outer(levers, turning),
         velocity=touch.velocity,
@@ -273,13 +271,11 @@ def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Ve
     space = scene.engine.space
     body = scene.links[pair.link]
     link = scene.mechanism.links[pair.link]
-    corners = [
-        (x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)
-    ]
+    corners = [xy(corner - link.centre) for corner in link.corners]
     obstacle: pymunk.Shape
     touching: pymunk.Shape
     if isinstance(pair, BarPair):
-        obstacle = pymunk.Circle(space.static_body, pair.radius + SHAPE_MARGIN, pair.centre)
+        obstacle = pymunk.Circle(space.static_body, pair.radius + SHAPE_MARGIN, xy(pair.centre))
         start, end = corners[touch.piece : touch.piece + 2]
         touching = pymunk.Segment(body, start, end, pair.wire_radius)
     else:
@@ -289,7 +285,7 @@ def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Ve
         middle = -pair.depth - HALF_PLANE
         face = ((-HALF_PLANE, middle), (HALF_PLANE, middle))
         obstacle = pymunk.Segment(space.static_body, *face, HALF_PLANE + SHAPE_MARGIN)
-        touching = pymunk.Circle(body, 0.0, corners[1:][pair.corner])
+        touching = pymunk.Circle(body, 0.0, corners[pair.corner])
     for shape in (obstacle, touching):
         shape.friction = shape.elasticity = 1.0
     obstacle.friction = pair.friction
@@ -310,8 +306,6 @@ def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Ve
     space.remove(obstacle, touching)
     if not impulses:
         return (0.0, 0.0)
-    (x, y) = impulses[0]
-    push = x * touch.normal[0] + y * touch.normal[1]
-    rub = x * touch.tangent[0] + y * touch.tangent[1]
+    push, rub = components(complex(*impulses[0]), touch.normal)
     # The sign of the engine's impulse depends on the order of the shapes; a contact only pushes.
     return (push, rub) if push >= 0.0 else (-push, -rub)

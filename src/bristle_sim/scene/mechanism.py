@@ -1,11 +1,13 @@
 """Chains of rigid links whose roots are fixed or carried by a turning hub.
 
-This module has their geometry, kinematics and mass, without forces.
+This module has their geometry, kinematics and mass, without forces. Points and vectors of the plane
+are complex numbers x + iy: i v is the vector v turned by 90 degrees, and a point at the vector r
+from a joint moves at the joint's velocity plus i r times the link's rate.
 """
 
 from __future__ import annotations
 
-import math
+import cmath
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
+"""Two real components: (x, y) in the engine, (normal, tangential) at a contact."""
 Complexes = NDArray[np.complex128]
 
 
@@ -26,31 +29,34 @@ class Link:
     """A rigid link; engine units.
 
     Positions are measured from the link's joint while the link is at angle 0, at which a straight
-    link points along (0, -1).
+    link points along -i.
 
     Attributes:
         mass: mass.
         inertia: moment of inertia about the centre of mass.
         centre: position of the centre of mass.
-        tip: position of the end of the link.
-        knees: positions of the corners of the centre line between joint and tip.
+        corners: positions of the joint (0), of the knees of the centre line, and of the tip.
     """
 
     mass: float
     inertia: float
-    centre: Vector
-    tip: Vector
-    knees: tuple[Vector, ...] = ()
+    centre: complex
+    corners: tuple[complex, ...]
 
     @classmethod
     def rod(cls, mass: float, length: float) -> Link:
         """Return a uniform slender rod, of moment of inertia m L^2/12."""
-        return cls(mass, mass * length**2 / 12.0, (0.0, -length / 2.0), (0.0, -length))
+        return cls(mass, mass * length**2 / 12.0, -0.5j * length, (0j, -1j * length))
 
     @property
     def inertia_about_joint(self) -> float:
         """Moment of inertia about the joint."""
-        return self.inertia + self.mass * (self.centre[0] ** 2 + self.centre[1] ** 2)
+        return self.inertia + self.mass * abs(self.centre) ** 2
+
+    def pose(self, joint: complex, velocity: complex, turn: complex) -> Pose:
+        """Return the link's position; ``turn`` is e^{i angle}."""
+        corners = tuple([joint + turn * corner for corner in self.corners])
+        return Pose(joint, velocity, joint + turn * self.centre, corners)
 
 
 class State(NamedTuple):
@@ -64,24 +70,23 @@ class State(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Position of a link in the plane: its joint, centre of mass, tip and knees, and its joint's
-    velocity.
+    """Position of a link in the plane.
+
+    Attributes:
+        joint: position of the joint.
+        velocity: velocity of the joint.
+        centre: position of the centre of mass.
+        corners: positions of the joint, the knees and the tip.
     """
 
-    joint: Vector
-    centre: Vector
-    tip: Vector
-    joint_velocity: Vector
-    knees: tuple[Vector, ...] = ()
-
-    @property
-    def corners(self) -> tuple[Vector, ...]:
-        """The joint, the knees and the tip."""
-        return (self.joint, *self.knees, self.tip)
+    joint: complex
+    velocity: complex
+    centre: complex
+    corners: tuple[complex, ...]
 
 
 class ChainConstants(NamedTuple):
-    """Constants of identical wires; complex numbers stand for points in the plane.
+    """Constants of identical wires.
 
     Attributes:
         tips: vector from joint to tip of every link, at the angle 0.
@@ -164,25 +169,13 @@ class Mechanism:
             zip(self.links, state.angles, state.rates, strict=True)
         ):
             if number % self.wire_links == 0:
-                root = self.hub_start + self.hub_speed * state.time
-                root -= number // self.wire_links * self.pitch
-                x = self.hub_radius * math.sin(root)
-                y = -self.hub_radius * math.cos(root)
-                u = -self.hub_speed * y
-                v = self.hub_speed * x
-            cosine = math.cos(angle)
-            sine = math.sin(angle)
-            a, b = link.centre
-            centre = (x + cosine * a - sine * b, y + sine * a + cosine * b)
-            a, b = link.tip
-            tip = (x + cosine * a - sine * b, y + sine * a + cosine * b)
-            knees = []
-            for a, b in link.knees:
-                knees.append((x + cosine * a - sine * b, y + sine * a + cosine * b))
-            poses.append(Pose((x, y), centre, tip, (u, v), tuple(knees)))
-            u -= rate * (tip[1] - y)
-            v += rate * (tip[0] - x)
-            x, y = tip
+                joint = -1j * cmath.rect(self.hub_radius, self.root_angle(number, state.time))
+                velocity = 1j * self.hub_speed * joint
+            pose = link.pose(joint, velocity, cmath.rect(1.0, angle))
+            poses.append(pose)
+            tip = pose.corners[-1]
+            velocity += 1j * rate * (tip - joint)
+            joint = tip
         self._known.append((state, poses))
         return poses
 
@@ -190,9 +183,6 @@ class Mechanism:
         self, time: Array, angles: Array, rates: Array
     ) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
         """Yield the links of a wire from root to tip with their motion at the given times.
-
-        Points are complex numbers x + iy. A point at the vector r from a joint has the joint's
-        velocity plus i rate r.
 
         Yields:
             The link, e^(i angle), the rate, the joint's position and the joint's velocity; arrays
@@ -203,7 +193,7 @@ class Mechanism:
         for link, angle, rate in zip(self.links, angles.T, rates.T, strict=True):
             turn = np.exp(1j * angle)
             yield link, turn, rate, joint, velocity
-            tip = complex(*link.tip) * turn
+            tip = link.corners[-1] * turn
             joint = joint + tip
             velocity = velocity + 1j * rate * tip
 
@@ -220,8 +210,7 @@ class Mechanism:
         """
         corners: list[tuple[Array, Array]] = []
         for link, turn, rate, joint, velocity in self.walk(time, angles, rates):
-            arms = [complex(*corner) * turn for corner in (*link.knees, link.tip)]
-            corners += [] if corners else [(joint, velocity)]
+            arms = [corner * turn for corner in link.corners[1 if corners else 0 :]]
             corners += [(joint + arm, velocity + 1j * rate * arm) for arm in arms]
         places, velocities = (np.stack(each, axis=1) for each in zip(*corners, strict=True))
         return np.stack([places.real, places.imag], axis=-1), np.stack(
@@ -236,7 +225,7 @@ class Mechanism:
         """
         bound = min(self.wires, 2) * self.hub_radius * abs(self.hub_speed)
         for link, rate in zip(self.links, state.rates, strict=True):
-            bound += math.hypot(*link.tip) * abs(rate)
+            bound += abs(link.corners[-1]) * abs(rate)
         return bound
 
     @cached_property
@@ -245,9 +234,7 @@ class Mechanism:
         needed.
         """
         size = self.wire_links
-        tips, centres = np.array(
-            [(complex(*link.tip), complex(*link.centre)) for link in self.links]
-        ).T
+        tips, centres = np.array([(link.corners[-1], link.centre) for link in self.links]).T
         inertias = np.array([link.inertia for link in self.links])
         arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
         moments = np.conj(arms).T * np.array([link.mass for link in self.links[:size]])
@@ -262,12 +249,17 @@ class Mechanism:
         return np.asarray((turn.conj()[:, None] * self.constants.products * turn).real)
 
 
-def cross(arm: Vector, direction: Vector) -> float:
+def xy(point: complex) -> Vector:
+    """Return the coordinates of a point, as the engine takes them."""
+    return (point.real, point.imag)
+
+
+def cross(arm: complex, direction: complex) -> float:
     """Return the moment, about the start of an arm, of a force in a direction at the arm's end.
 
     For a unit vector as the direction this is the lever of the force.
     """
-    return arm[0] * direction[1] - arm[1] * direction[0]
+    return (arm.conjugate() * direction).imag
 
 
 class Curve:

@@ -2,17 +2,19 @@
 another wire (a rectangle with round ends).
 
 A gap is the distance between the link's contact point and the obstacle; it is positive in flight.
+Points and vectors are complex numbers x + iy.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
+from bristle_sim.scene.mechanism import Mechanism, Pose, Vector
 
 # largest difference between the gaps of two straight segments of a link that both count as
 # touching, over the link's length
@@ -22,9 +24,6 @@ LEAST_REACH = 1e-9
 """Least distance of the wire's centre line from the bar's centre, over the link's length. It is a
 hundred times the gap that counts as closed, so a rounding error of 1e-16 turns the normal by 1e-7.
 """
-
-Line = tuple[Vector, ...]
-"""A straight segment of a wire's centre line: its two ends."""
 
 
 class ClosestApproach(NamedTuple):
@@ -37,9 +36,6 @@ class ClosestApproach(NamedTuple):
         normal: unit vector out of the obstacle.
         velocity: (normal, tangential) velocity of the link's contact point relative to the
             obstacle.
-        kinks: values that pass through 0 where the motion of a sustained contact has a kink,
-            because the contact passes from a straight segment of the centre line to a corner or the
-            end, or back.
         piece: index of the closest straight segment of the centre line, from 0 at the joint. For
             two wires it is the index of the closest of the four ends of their segments.
         partner_arm: vector from the joint of the other wire's link to the contact point; None for a
@@ -47,17 +43,16 @@ class ClosestApproach(NamedTuple):
     """
 
     gap: float
-    arm: Vector
-    normal: Vector
+    arm: complex
+    normal: complex
     velocity: Vector
-    kinks: tuple[float, ...] = ()
     piece: int = 0
-    partner_arm: Vector | None = None
+    partner_arm: complex | None = None
 
     @property
-    def tangent(self) -> Vector:
+    def tangent(self) -> complex:
         """Unit tangent: the normal turned clockwise by 90 degrees, which is +x on the workpart."""
-        return (self.normal[1], -self.normal[0])
+        return -1j * self.normal
 
 
 class ClosedPair(NamedTuple):
@@ -74,31 +69,66 @@ class ClosedPair(NamedTuple):
     slip: int | None
 
 
-def _foot(point: Vector, line: Line) -> tuple[float, Vector]:
-    """Return the projection of a point onto a segment, and the point of the segment nearest to the
-    point.
-
-    The projection is in segment lengths: 0 at the start, 1 at the end, and beyond these outside the
-    segment.
-    """
-    (x, y), (u, v) = line
-    along_x, along_y = u - x, v - y
-    along = ((point[0] - x) * along_x + (point[1] - y) * along_y) / (along_x**2 + along_y**2)
-    within = min(max(along, 0.0), 1.0)
-    return along, (x + within * along_x, y + within * along_y)
+Line = tuple[complex, complex]
+"""A straight segment of a wire's centre line: its two ends."""
 
 
-def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
-    """Return the (normal, tangential) velocity of a point of a link, given by ``arm`` from the
-    link's joint.
-    """
-    x = pose.joint_velocity[0] - rate * arm[1]
-    y = pose.joint_velocity[1] + rate * arm[0]
-    return (x * normal[0] + y * normal[1], x * normal[1] - y * normal[0])
+def _nearest(point: complex, line: Line) -> complex:
+    """Return the point of a segment that is nearest to a given point."""
+    start, end = line
+    along = ((point - start) / (end - start)).real
+    if along <= 0.0:
+        return start
+    return end if along >= 1.0 else start + along * (end - start)
+
+
+def components(velocity: complex, normal: complex) -> Vector:
+    """Return the (normal, tangential) components of a velocity."""
+    turned = velocity * normal.conjugate()
+    return (turned.real, -turned.imag)
+
+
+class FixedPair(ABC):
+    """The base class of pairs with a fixed obstacle."""
+
+    link: int
+    partner: ClassVar[None] = None
+
+    @abstractmethod
+    def lines(self, corners: tuple[complex, ...]) -> list[Line]:
+        """Return the straight segments of a link that can touch, from the link's corners."""
+
+    @abstractmethod
+    def touch(self, line: Line) -> tuple[float, complex, complex]:
+        """Return the gap of a straight segment, the contact point and the normal."""
+
+    def closest(
+        self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
+    ) -> ClosestApproach:
+        """Return the closest approach of the link; the contact point is on the wire's surface.
+
+        If two straight segments touch, the segment that approaches faster is used. ``piece``
+        selects a segment by index instead.
+        """
+        pose = poses[self.link]
+        rate = rates[self.link]
+        touches = []
+        for index, line in enumerate(self.lines(pose.corners)):
+            gap, point, normal = self.touch(line)
+            arm = point - pose.joint
+            velocity = components(pose.velocity + 1j * rate * arm, normal)
+            touches.append(ClosestApproach(gap, arm, normal, velocity, index))
+        if piece is not None or len(touches) == 1:
+            return touches[piece or 0]
+        least = min(touch.gap for touch in touches)
+        return min(
+            (touch for touch in touches if touch.gap <= least + SAME_GAP),
+            key=lambda touch: touch.velocity[0],
+        )
 
 
 @dataclass(frozen=True, slots=True)
-class BarPair:
+class BarPair(FixedPair):
     """A pair of the bar, which is a fixed circle, and one link of the wire.
 
     The link's centre line stays at least ``radius + wire_radius`` from the circle's ``centre``. The
@@ -115,18 +145,17 @@ class BarPair:
         partner: index of the other wire's link; None for a fixed obstacle.
         first_touch: name of the event of a first touch.
         dent: depth by which an earlier compliant contact has moved the surface back.
-        corner: index of the corner of the centre line that touches, -1 for the tip; None where the
-            contact slides along the link.
+        corner: index of the corner of the centre line that touches, 0 for the joint and -1 for the
+            tip; None where the contact slides along the link.
     """
 
-    centre: Vector
+    centre: complex
     radius: float
     wire_radius: float
     friction: float
     restitution: float
     name: ClassVar[str] = "bar"
     link: int = -1
-    partner: ClassVar[None] = None
     first_touch: ClassVar[str] = "bar touch"
     dent: float = 0.0
     corner: ClassVar[None] = None
@@ -149,47 +178,30 @@ class BarPair:
         """Coefficient of friction in restitution; it equals the coefficient in compression."""
         return self.friction
 
-    def closest(
-        self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
-    ) -> ClosestApproach:
-        """Return the closest approach of the link's centre line, which has round ends; the contact
-        point is on the wire's surface.
+    def lines(self, corners: tuple[complex, ...]) -> list[Line]:
+        """Return all straight segments of the link."""
+        return list(itertools.pairwise(corners))
 
-        If two straight segments touch, the segment that approaches faster is used. ``piece``
-        selects a segment by index instead.
+    def touch(self, line: Line) -> tuple[float, complex, complex]:
+        """Return the gap of a straight segment with round ends, the contact point on its surface,
+        and the normal.
         """
-        pose = poses[self.link]
-        rate = rates[self.link]
-        if not pose.knees:
-            along, place = _foot(self.centre, (pose.joint, pose.tip))
-            return self._approach(pose, rate, 0, place, (along - 1.0,))
-        pieces = [_foot(self.centre, line) for line in itertools.pairwise(pose.corners)]
-        kinks = tuple(kink for along, _ in pieces for kink in (along, along - 1.0))[1:]
-        touches = [
-            self._approach(pose, rate, index, place, kinks)
-            for index, (_, place) in enumerate(pieces)
-        ]
-        if piece is not None:
-            return touches[piece]
-        least = min(touch.gap for touch in touches)
-        return min(
-            (touch for touch in touches if touch.gap <= least + SAME_GAP),
-            key=lambda touch: touch.velocity[0],
-        )
-
-    def _approach(
-        self, pose: Pose, rate: float, piece: int, place: Vector, kinks: tuple[float, ...]
-    ) -> ClosestApproach:
-        x, y = place[0] - self.centre[0], place[1] - self.centre[1]
-        distance = math.hypot(x, y)
-        scale = distance or 1.0  # at the centre the normal is undefined
-        normal = (x / scale, y / scale)
-        arm = (
-            place[0] - pose.joint[0] - self.wire_radius * normal[0],
-            place[1] - pose.joint[1] - self.wire_radius * normal[1],
-        )
+        place = _nearest(self.centre, line)
+        away = place - self.centre
+        distance = abs(away)
+        normal = away / (distance or 1.0)  # at the centre the normal is undefined
         gap = distance - self.radius - self.wire_radius + self.dent
-        return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
+        return gap, place - self.wire_radius * normal, normal
+
+    def ends_passed(self, pose: Pose) -> list[float]:
+        """Return how far along the link the bar's centre is from both ends of each straight
+        segment, from the joint to the tip, in lengths of the segment.
+
+        Where a number is 0, the contact point passes a joint, a knee or the tip.
+        """
+        lines = self.lines(pose.corners)
+        feet = [((self.centre - start) / (end - start)).real for start, end in lines]
+        return [distance for foot in feet for distance in (foot, foot - 1.0)]
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the smallest gap between the bar and any other straight segment of the link.
@@ -198,33 +210,22 @@ class BarPair:
         its corner towards ``piece`` is left out. Without another segment the gap is infinite.
         """
         gaps = [math.inf]
-        for index, line in enumerate(itertools.pairwise(pose.corners)):
-            along, place = _foot(self.centre, line)
-            at_shared_corner = along >= 1.0 if index < piece else along <= 0.0
+        ends = self.ends_passed(pose)
+        for index, line in enumerate(self.lines(pose.corners)):
+            at_shared_corner = (
+                ends[2 * index + 1] >= 0.0 if index < piece else ends[2 * index] <= 0.0
+            )
             if index != piece and not at_shared_corner:
-                gaps.append(
-                    math.dist(place, self.centre) - self.radius - self.wire_radius + self.dent
-                )
+                gaps.append(self.touch(line)[0])
         return min(gaps)
-
-    def foot(self, pose: Pose) -> tuple[float, float]:
-        """Return the position of the bar's centre along the first straight segment of the link, and
-        along the last one.
-
-        The first position is measured from the segment's start, the second from the segment's end.
-        Each is in lengths of its segment.
-        """
-        corners = pose.corners
-        return _foot(self.centre, corners[:2])[0], _foot(self.centre, corners[-2:])[0] - 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class WorkpartPair:
+class WorkpartPair(FixedPair):
     """The workpart, a half-plane y <= -depth, and a corner of the link's centre line: its tip, or a
     knee.
 
-    ``corner`` is -1 for the tip, or the index of a knee. The other attributes are those of
-    ``BarPair``.
+    The attributes but ``depth`` are those of ``BarPair``.
     """
 
     depth: float
@@ -233,24 +234,18 @@ class WorkpartPair:
     restitution: float
     name: ClassVar[str] = "workpart"
     link: int = -1
-    partner: ClassVar[None] = None
     first_touch: ClassVar[str] = "strike"
     dent: float = 0.0
     corner: int = -1
 
-    def closest(
-        self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
-    ) -> ClosestApproach:
-        """Return the closest approach of the corner. The normal is +y and the tangent +x; ``piece``
-        has no effect.
-        """
-        del piece
-        pose = poses[self.link]
-        x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
-        arm = (x - pose.joint[0], y - pose.joint[1])
-        normal = (0.0, 1.0)
-        velocity = _relative(pose, rates[self.link], arm, normal)
-        return ClosestApproach(y + self.depth + self.dent, arm, normal, velocity)
+    def lines(self, corners: tuple[complex, ...]) -> list[Line]:
+        """Return the segment from the link's joint to the corner that touches."""
+        return [(corners[0], corners[self.corner])]
+
+    def touch(self, line: Line) -> tuple[float, complex, complex]:
+        """Return the gap of the corner, the corner and the normal, which is +y."""
+        corner = line[1]
+        return corner.imag + self.depth + self.dent, corner, 1j
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,39 +288,32 @@ class WirePair:
         """Return the closest approach of the two segments. If ``piece`` is given, return the
         closest approach of the end with this index to the other segment.
         """
-        links = (self.link, self.partner)
-        own, other = (
-            poses[link].corners[number : number + 2]
-            for link, number in zip(links, (self.own_piece, self.partner_piece), strict=True)
-        )
-        found = [(end, _foot(end, other)[1]) for end in own] + [
-            (_foot(end, own)[1], end) for end in other
-        ]
+        pose = poses[self.link]
+        partner = poses[self.partner]
+        own = (pose.corners[self.own_piece], pose.corners[self.own_piece + 1])
+        other = (partner.corners[self.partner_piece], partner.corners[self.partner_piece + 1])
+        found = [(end, _nearest(end, other)) for end in own]
+        found += [(_nearest(end, own), end) for end in other]
         if piece is None:
-            piece = min(range(4), key=lambda end: math.dist(*found[end]))
-        (x, y), (u, v) = found[piece]
-        distance = math.hypot(x - u, y - v)
-        scale = distance or 1.0  # where centre lines meet the normal is undefined
-        normal = ((x - u) / scale, (y - v) / scale)
-        x, y = x - self.wire_radius * normal[0], y - self.wire_radius * normal[1]
-        arms = [(x - poses[link].joint[0], y - poses[link].joint[1]) for link in links]
-        first, second = (
-            _relative(poses[link], rates[link], arm, normal)
-            for link, arm in zip(links, arms, strict=True)
-        )
-        crossed = _sides(own, other) < 0.0 and _sides(other, own) < 0.0
+            piece = min(range(4), key=lambda end: abs(found[end][0] - found[end][1]))
+        place, nearest = found[piece]
+        distance = abs(place - nearest)
+        normal = (place - nearest) / (distance or 1.0)  # undefined where centre lines meet
+        point = place - self.wire_radius * normal
+        arm = point - pose.joint
+        partner_arm = point - partner.joint
+        velocity = pose.velocity + 1j * rates[self.link] * arm
+        velocity -= partner.velocity + 1j * rates[self.partner] * partner_arm
+        crossed = _on_two_sides(own, other) and _on_two_sides(other, own)
         gap = (-distance if crossed else distance) - 2.0 * self.wire_radius + self.dent
-        velocity = (first[0] - second[0], first[1] - second[1])
-        return ClosestApproach(gap, arms[0], normal, velocity, (), piece, arms[1])
+        return ClosestApproach(gap, arm, normal, components(velocity, normal), piece, partner_arm)
 
 
-def _sides(line: Line, points: Line) -> float:
-    """Return a number that is negative if the two points lie on different sides of the infinite
-    line.
-    """
-    (x, y), (u, v) = line
-    one, other = (cross((u - x, v - y), (each[0] - x, each[1] - y)) for each in points)
-    return one * other
+def _on_two_sides(line: Line, points: Line) -> bool:
+    """Return whether two points lie on different sides of an infinite line."""
+    start, end = line
+    first, second = (((point - start) / (end - start)).imag for point in points)
+    return first * second < 0.0
 
 
 ContactPair = BarPair | WorkpartPair | WirePair
@@ -339,7 +327,7 @@ def wire_pairs(
     numbered = [
         (link, piece)
         for link, each in enumerate(mechanism.links)
-        for piece in range(len(each.knees) + 1)
+        for piece in range(len(each.corners) - 1)
     ]
     for (link, own), (partner, other) in itertools.combinations(numbered, 2):
         if link // mechanism.wire_links != partner // mechanism.wire_links:

@@ -163,7 +163,7 @@ def energies(
     kinetic = np.zeros(len(time))
     potential = 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
     for link, turn, rate, joint, velocity in mechanism.walk(*motion):
-        arm = complex(*link.centre) * turn
+        arm = link.centre * turn
         kinetic += (
             0.5 * link.mass * np.abs(velocity + 1j * rate * arm) ** 2 + 0.5 * link.inertia * rate**2
         )

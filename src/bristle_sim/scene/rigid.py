@@ -145,11 +145,8 @@ class RigidContacts:
             if number is not None and arm is not None:
                 link = mechanism.links[number]
                 pose = poses[number]
-                to_centre = (
-                    pose.joint[0] + arm[0] - pose.centre[0],
-                    pose.joint[1] + arm[1] - pose.centre[1],
-                )
-                free += 1.0 / link.mass + cross(to_centre, touch.normal) ** 2 / link.inertia
+                lever = cross(pose.joint + arm - pose.centre, touch.normal)
+                free += 1.0 / link.mass + lever**2 / link.inertia
         return (normal - pair.friction * (sense or 0) * coupling) / free
 
     def _next_piece(self, pair: ContactPair, state: State) -> int:
@@ -157,7 +154,7 @@ class RigidContacts:
 
         At a corner two segments touch; the instant decides between them.
         """
-        if pair.partner is None and not self.scene.mechanism.links[pair.link].knees:
+        if pair.partner is None and len(self.scene.mechanism.links[pair.link].corners) == 2:
             return 0
         angles = tuple(
             angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True)

@@ -10,7 +10,7 @@ projection, so one iteration of the engine is enough. The projected velocities a
     v_k = v_root + sum_j g_kj i E_j rate_j,
     (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 w_0,
 
-with points as complex numbers. E_j = e^{i angle_j}. At the angle 0, g_kj is the vector from the
+with E_j = e^{i angle_j}. At the angle 0, g_kj is the vector from the
 joint of link j to the next joint (j < k) or to the link's centre (j = k). B holds the derivatives
 of the velocities with respect to the rates. C is the damping matrix of belt and hinges, implicit
 over the time s. c_0 is a vector: the belt's damping for the first link of a wire, 0 for the others;
@@ -42,7 +42,7 @@ import pymunk
 from bristle_sim.arrays import Array
 from bristle_sim.scene.engine import Placer
 from bristle_sim.scene.gaps import contact_rows
-from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose
+from bristle_sim.scene.mechanism import Complexes, Mechanism
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach
 
 # least singular value that counts, over the largest one; a smaller one is rounding error, because a
@@ -195,18 +195,9 @@ class WireVelocities:
             if number is not None:
                 link = mechanism.links[number]
                 rates[number] = rate = float(self._rates[number])
-                to_centre = complex(mechanism.constants.centres[number]) * complex(turn[number])
+                turned = complex(turn[number])
+                to_centre = link.centre * turned
                 joint = complex(self._places[number]) - to_centre
                 velocity = complex(self._velocities[number]) - 1j * rate * to_centre
-                *knees, tip = [
-                    joint + complex(*corner) * complex(turn[number])
-                    for corner in (*link.knees, link.tip)
-                ]
-                poses[number] = Pose(
-                    joint=(joint.real, joint.imag),
-                    centre=(self._places[number].real, self._places[number].imag),
-                    tip=(tip.real, tip.imag),
-                    joint_velocity=(velocity.real, velocity.imag),
-                    knees=tuple([(knee.real, knee.imag) for knee in knees]),
-                )
+                poses[number] = link.pose(joint, velocity, turned)
         return contact.pair.closest(poses, rates, contact.piece)

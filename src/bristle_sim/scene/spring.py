@@ -22,7 +22,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.mechanism import State, Vector
+from bristle_sim.scene.mechanism import State, Vector, xy
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory
@@ -277,10 +277,10 @@ class SpringForce:
         pair = spring.pair
         body = scene.links[pair.link]
         link = scene.mechanism.links[pair.link]
-        x, y = (*link.knees, link.tip)[pair.corner]
         self._spring = spring
         self._push = pusher(body)
-        self._place, self._velocity = point_calls(body, (x - link.centre[0], y - link.centre[1]))
+        corner = link.corners[pair.corner] - link.centre
+        self._place, self._velocity = point_calls(body, xy(corner))
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:

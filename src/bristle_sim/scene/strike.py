@@ -18,7 +18,7 @@ from bristle_sim.scene.build import Effects, Scene, damped_interval
 from bristle_sim.scene.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
-from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.mechanism import Link, Mechanism, State, xy
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.results import columns, contact_in_si, energies
 from bristle_sim.scene.simulate import run_by_intervals
@@ -108,10 +108,11 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     law = contact_law(contact, settings.accuracy, units.time)
     after, record, _ = struck(scene, start, pair, settings, law)
     poses = scene.mechanism.poses(start)
+    line = [poses[0].joint, *(pose.corners[-1] for pose in poses)]
     kinetic, _ = energies(scene.mechanism, scene.effects, columns([start, after]))
     return ChainStrike(
         contact=contact_in_si(record, units),
-        centre_line=np.array([poses[0].joint, *(pose.tip for pose in poses)]) * units.length,
+        centre_line=np.array(list(map(xy, line))) * units.length,
         kinetic_energy_before=float(kinetic[0]) * units.energy,
         kinetic_energy_after=float(kinetic[1]) * units.energy,
         steps=scene.engine.steps,
@@ -145,7 +146,7 @@ def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, Workpart
 
 def _below(mechanism: Mechanism, start: State, part: Surface) -> WorkpartPair:
     """Return the pair of the last link's tip and a workpart surface that passes through the tip."""
-    height = mechanism.poses(start)[-1].tip[1]
+    height = mechanism.poses(start)[-1].corners[-1].imag
     return WorkpartPair(-height, part.friction, part.friction_in_restitution, part.restitution)
 
 

@@ -295,10 +295,10 @@ class System:
         if not isinstance(pair, BarPair):
             return False
         gaps = self.gaps
-        for sign, index, step in ((1.0, 0, -1), (-1.0, 1, 1)):
+        for sign, index, step in ((1.0, 0, -1), (-1.0, -1, 1)):
             if self.neighbour(pair, step) in active:
                 now, later = (
-                    sign * pair.foot(self.mechanism.poses(state)[pair.link])[index]
+                    sign * pair.ends_passed(self.mechanism.poses(state)[pair.link])[index]
                     for state in (self.state, end)
                 )
                 if now <= AT_JOINT and (
@@ -314,4 +314,5 @@ class System:
         lower = self.neighbour(pair, -1)
         if lower is None or not isinstance(pair, BarPair):
             return pair
-        return pair if pair.foot(self.mechanism.poses(self.state)[pair.link])[0] > 0.0 else lower
+        pose = self.mechanism.poses(self.state)[pair.link]
+        return pair if pair.ends_passed(pose)[0] > 0.0 else lower

@@ -18,7 +18,7 @@ from bristle_sim.parameters import START, Bristle, Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw
-from bristle_sim.scene.mechanism import Link, Mechanism, Vector
+from bristle_sim.scene.mechanism import Complexes, Link, Mechanism
 from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pairs
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
@@ -151,7 +151,7 @@ def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
     bar = tool.bar
     part = tool.workpart
     if bar is not None:
-        centre = (bar.centre[0] / size, bar.centre[1] / size)
+        centre = complex(*bar.centre) / size
         radii = (bar.radius / size, bristle.wire_diameter / 2.0 / size)
         for link in range(first, first + bristle.links):
             yield BarPair(centre, *radii, bar.friction, bar.restitution, link=link)
@@ -162,14 +162,14 @@ def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
             part.friction_in_restitution,
             part.restitution,
         )
-        # Link and corner of the wire's tip and knee; corner -1 is the tip of a link.
+        # Link and corner of the wire's tip and knee; corner -1 is a link's tip, 1 its knee.
         corners = [(first + bristle.links - 1, -1)]
         joint = bristle.knee_position * bristle.links
         if len(bristle.path) > 1:
             at_joint = (
                 bristle.links > 1 and abs(joint - round(joint)) < bristle.links * SHORTEST_PIECE
             )
-            corners.append((first + round(joint) - 1, -1) if at_joint else (first + int(joint), 0))
+            corners.append((first + round(joint) - 1, -1) if at_joint else (first + int(joint), 1))
         for link, corner in corners:
             yield WorkpartPair(*surface, link=link, corner=corner)
 
@@ -182,7 +182,7 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
     that contains the knee is bent.
     """
     size = bristle.length
-    corners = [(0.0, 0.0), *((x / size, y / size) for x, y in bristle.path)]
+    corners = np.array([0j, *(complex(*place) / size for place in bristle.path)])
     borders = [number / bristle.links for number in range(bristle.links + 1)]
     return tuple(_link(_between(corners, *ends)) for ends in itertools.pairwise(borders))
 
@@ -213,31 +213,26 @@ def wire_hinges(
     return ((stiffness / units.energy, damping / units.angular_damping),) * (bristle.links - 1)
 
 
-def _between(corners: list[Vector], low: float, high: float) -> list[Vector]:
-    """Return the part of a centre line between two distances from the root along the line, as a
-    list of its ends and corners.
+def _between(corners: Complexes, low: float, high: float) -> Complexes:
+    """Return the part of a centre line between two distances from the root along the line: its ends
+    and corners.
     """
-    ends = [0.0, *itertools.accumulate(itertools.starmap(math.dist, itertools.pairwise(corners)))]
-    inner = [each for each in ends if low + SHORTEST_PIECE < each < high - SHORTEST_PIECE]
-    places = [low, *inner, high]
-    x, y = (np.interp(places, ends, each).tolist() for each in zip(*corners, strict=True))
-    return list(zip(x, y, strict=True))
+    ends = np.cumsum([0.0, *abs(np.diff(corners))])
+    inner = ends[(ends > low + SHORTEST_PIECE) & (ends < high - SHORTEST_PIECE)]
+    return np.asarray(np.interp([low, *inner, high], ends, corners))
 
 
-def _link(corners: list[Vector]) -> Link:
+def _link(corners: Complexes) -> Link:
     """Return the link that a uniform wire through the given corners forms; its mass equals its
     length.
     """
-    joint = corners[0]
-    places = [(x - joint[0], y - joint[1]) for x, y in corners]
-    pieces = [
-        (math.dist(a, b), 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]))
-        for a, b in itertools.pairwise(places)
-    ]
-    mass = sum(length for length, _, _ in pieces)
-    centre = (sum(m * x for m, x, _ in pieces) / mass, sum(m * y for m, _, y in pieces) / mass)
-    inertia = sum(m * (m**2 / 12.0 + math.dist((x, y), centre) ** 2) for m, x, y in pieces)
-    return Link(mass, inertia, centre, places[-1], tuple(places[1:-1]))
+    places = corners - corners[0]
+    masses = abs(np.diff(places))
+    middles = 0.5 * (places[:-1] + places[1:])
+    mass = float(masses.sum())
+    centre = complex(masses @ middles) / mass
+    inertia = float(masses @ (masses**2 / 12.0 + abs(middles - centre) ** 2))
+    return Link(mass, inertia, centre, tuple(places.tolist()))
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
