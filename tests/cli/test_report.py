@@ -144,7 +144,7 @@ def test_the_nodes_give_the_motion_to_the_errors_stated(most: int, monkeypatch: 
     )
     data = motion_data(run, run.tool)
     drawn, millimetres = re.fullmatch(
-        r"(\d+) of \d+ samples .* to (\S+) mm, \S+° and \S+ m/s", data["drawn"]
+        r"(\d+) instants .* to (\S+) mm, \S+° and \S+ m/s", data["drawn"]
     ).groups()
     time, line, velocity = (np.array(data[name]) for name in ("time", "line", "velocity"))
     assert int(drawn) <= time.size <= most / line.shape[1]

@@ -65,8 +65,7 @@ def test_the_page_of_a_run_stays_small(client: Any) -> None:
     """Contacts of 0.4 ns at 10 MN take no more than the digits that the page shows."""
     answer = client.get("/run?contact=compliant")
     motion = answer.json["motion"]
-    drawn, samples = map(int, re.findall(r"(\d+) of (\d+) samples drawn", motion["drawn"])[0])
-    assert drawn <= samples
+    assert motion["drawn"].startswith(f"{len(set(motion['time']))} instants drawn")
     assert len(motion["time"]) < 3000
     assert len(answer.data) < 2e6
     assert "samples drawn" in answer.json["series"]["drawn"]
