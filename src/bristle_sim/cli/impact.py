@@ -35,4 +35,4 @@ def contact_series(report: Report) -> Columns:
     """
     if report.subject.contact is None:
         raise ValueError(report.subject.no_contact)
-    return dict(report.subject.contact.record.columns())
+    return dict(report.subject.contact.strike.contact.columns())

@@ -179,7 +179,7 @@ def flexible_wire(
     if with_reference and not reference:
         remarks.append(NO_REFERENCE)
     return Report(
-        **record_fields(wire.contact, wire, strike=0.0, release=wire.contact.duration),
+        **record_fields(wire, strike=0.0, release=wire.contact.duration),
         quantities=(
             *_frequencies(tool, with_reference),
             *rows(units, simulated, stiff, reference, tolerances=within),

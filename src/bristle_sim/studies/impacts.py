@@ -8,10 +8,10 @@ simulation the same motion has the other sign.
 
 import math
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Mapping
 from typing import Any
 
-from bristle_sim.comparison import Quantity, Report, Table, agreement
+from bristle_sim.comparison import Quantity, Report, Table, Values, agreement, rows
 from bristle_sim.parameters import (
     Bristle,
     Contact,
@@ -28,7 +28,7 @@ from bristle_sim.studies.contact_laws import Impacts, all_laws
 from bristle_sim.studies.strike_measures import IMPACT, contact_quantities, impulse_caution
 from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
+from bristle_sim.theory.pendulums import double_pendulum_impact
 
 COMPLIANT_TOLERANCE = 3e-3
 """Largest relative difference of a contact simulated over time from its rigid-body limit, at the
@@ -54,6 +54,8 @@ MOST_WIDENED = 1e-3  # largest amount by which magnified rounding errors widen a
 
 
 IMPULSES = ("normal_compressive_impulse", "normal_final_impulse")
+
+PENDULUM = ("final_rate_1", "final_rate_2", *IMPULSES, "kinetic_energy_ratio")
 
 RODS = {
     "final_rate_1": ("rate of the first rod after", "rad/s"),
@@ -102,75 +104,70 @@ def oblique_impact(
     eqs. 2.19-2.65).
     """
     gamma = math.radians(state.impact_angle_deg)
-    rate = state.speed_ratio * hub.speed
-    impacts = all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
-    geometry = (bristle.mass, bristle.length, hub.radius, hub.speed, state.speed_ratio, gamma)
-    theory = monofilament_impact(*geometry, *_coefficients(surface))
-    found = _bristle_rows(impacts, settings, theory, IMPACT)
-    return _report(impacts, found, lambda one: one.contact.rates_after[0], "bristle")
+    chain = radial_chain(hub, bristle, gamma, state.speed_ratio * hub.speed)
+    motion = (hub.radius, hub.speed, state.speed_ratio)
+    impacts = all_laws(chain, surface, contact, settings)
+    return _report(impacts, _one_rod(impacts, settings, motion, IMPACT), 1.0, "bristle")
 
 
 def single_pendulum(
     pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
     """Simulate the strike of Stronge's single pendulum, and compare it with the closed forms (Zhang
-    2020, sec. 2.4.1).
-
-    If friction differs between compression and restitution, the closed forms are those of the
-    bristle on a hub of zero radius.
+    2020, sec. 2.4.1), which are those of the bristle on a hub of zero radius.
     """
     gamma = math.radians(pendulum.impact_angle_deg)
-    rod = (pendulum.mass, pendulum.length)
-    rate = pendulum.rate
-    chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-rate,))
+    chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-pendulum.rate,))
     impacts = all_laws(chain, surface, contact, settings)
-    theory: Any
-    if surface.restitution_friction is None or rate >= 0.0:
-        theory = single_pendulum_impact(*rod, gamma, rate, surface.friction, surface.restitution)
-    else:
-        speed = (min(-rate, 1e6), max(-rate / 1e6, 1.0))
-        theory = monofilament_impact(*rod, 0.0, *speed, gamma, *_coefficients(surface))
-    found = _bristle_rows(impacts, settings, theory, ("rebound_ratio", *IMPULSES))
-    return _report(impacts, found, lambda one: -one.contact.rates_after[0], "pendulum")
+    labels = {name: IMPACT[name] for name in ("rebound_ratio", *IMPULSES)}
+    found = _one_rod(impacts, settings, (0.0, 1.0, -pendulum.rate), labels)
+    return _report(impacts, found, -1.0, "pendulum")
 
 
-def _bristle_rows(
-    impacts: Impacts, settings: Settings, theory: Any, names: Iterable[str]
-) -> list[Quantity]:
-    """Compare the named quantities of one rod's impact with the closed form's attributes of the
-    same names.
+def _one_rod(
+    impacts: Impacts,
+    settings: Settings,
+    motion: tuple[float, float, float],
+    labels: Mapping[str, tuple[str, str]],
+) -> tuple[Quantity, ...]:
+    """Compare the impact of one rod with the closed form of the bristle.
+
+    Args:
+        impacts: the impact, by every contact law.
+        settings: the requested accuracy.
+        motion: hub radius, m, hub speed, rad/s, and rate of the rod over the hub speed.
+        labels: label and unit of the quantities, by name.
     """
     chain = impacts.chain
     contact = impacts.contact
     surface = impacts.surface
     gamma = -chain.angles[0]
-    before = chain.rates[0]
-    hidden = HEIGHT_ROUNDING * (1.0 + chain.hub_radius / chain.lengths[0])
-    tolerance = _tolerance(contact, settings, surface, math.tan(gamma), hidden / math.sin(gamma))
-    # A rate after the impact has the rounding of the rate before it.
-    at_rest = HEIGHT_ROUNDING / max(abs(theory.rebound_ratio), AT_REST) if before else 0.0
-    rounding = {
-        "final_bristle_rate": at_rest,
-        "rebound_ratio": at_rest,
-        "tangential_compressive_work": hidden / math.cos(gamma),
-    }
+    before = abs(chain.rates[0])
+    coefficients = (surface.friction, surface.restitution, surface.friction_in_restitution)
+    rod = (chain.masses[0], chain.lengths[0])
+    closed_form = monofilament_impact(*rod, *motion, gamma, *coefficients)
+    known = [name for name in labels if before or name != "rebound_ratio"]
+    theory = {name: float(getattr(closed_form, name)) for name in known}
     record = impacts.strikes[contact.law].contact
     simulated = contact_quantities(record)
-    turned = abs(before) * record.duration
-    unknown = {"rebound_ratio"} if before == 0.0 else set[str]()
-    if contact.duration is None and math.cos(gamma) < LEAST_SLOPE * turned:
-        unknown |= {"tangential_compressive_impulse", "tangential_compressive_work"}
+    if contact.duration is None and math.cos(gamma) < LEAST_SLOPE * before * record.duration:
+        theory.pop("tangential_compressive_impulse", None)
+        theory.pop("tangential_compressive_work", None)
+    hidden = HEIGHT_ROUNDING * (1.0 + chain.hub_radius / chain.lengths[0])
+    # A rate after the impact has the rounding of the rate before it.
+    at_rest = HEIGHT_ROUNDING / max(abs(theory.get("rebound_ratio", math.inf)), AT_REST)
+    rounding = dict.fromkeys(labels, hidden / math.sin(gamma))
+    for name in ("final_bristle_rate", "rebound_ratio"):
+        rounding[name] = rounding["rebound_ratio"] + at_rest
+    if "tangential_compressive_work" in labels:
+        rounding["tangential_compressive_work"] += hidden / math.cos(gamma)
     least = {
-        "final_bristle_rate": AT_REST * abs(before),
+        "final_bristle_rate": AT_REST * before,
         "rebound_ratio": AT_REST,
         "tangential_compressive_work": AT_REST * abs(simulated["normal_compressive_work"] or 0.0),
     }
-    found = []
-    for name in names:
-        pair = (simulated[name], None if name in unknown else float(getattr(theory, name)))
-        within = _widened(tolerance, rounding.get(name, 0.0))
-        found.append(_row(name, IMPACT[name], pair, within, least.get(name, 0.0)))
-    return found
+    tolerance = _tolerance(impacts, settings, math.tan(gamma))
+    return _compared(labels, simulated, theory, tolerance, rounding, least)
 
 
 def double_pendulum(
@@ -185,83 +182,99 @@ def double_pendulum(
     angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
     rates = (pendulum.rate_1, pendulum.rate_2)
     rods = (pendulum.mass, pendulum.mass_ratio, pendulum.length)
-    theory = double_pendulum_impact(*rods, *angles, *rates, *_coefficients(surface))
+    coefficients = (surface.friction, surface.restitution, surface.friction_in_restitution)
+    closed_form = double_pendulum_impact(*rods, *angles, *rates, *coefficients)
     one = impacts.strikes[contact.law]
+    labels = {name: (RODS | IMPACT)[name] for name in PENDULUM}
+    rate_1, rate_2 = one.contact.rates_after
+    simulated = contact_quantities(one.contact) | {
+        "final_rate_1": -rate_1,
+        "final_rate_2": -rate_2,
+        "kinetic_energy_ratio": one.kinetic_energy_ratio,
+    }
+    theory = {name: float(getattr(closed_form, name)) for name in labels}
+    if not one.kinetic_energy_before:
+        del theory["kinetic_energy_ratio"]
     # Friction magnifies the rounding of a rod's angle; the factor is the friction itself for a rod
     # along the surface.
-    mu, (along, across) = surface.friction, (abs(math.cos(angles[1])), abs(math.sin(angles[1])))
+    along = abs(math.cos(angles[1]))
+    across = abs(math.sin(angles[1]))
+    rubbed = surface.friction / max(across + surface.friction * along, AT_REST)
     # An approach that is the difference of two almost equal speeds has the rounding of the speeds.
     speeds = [rate * math.sin(angle) for rate, angle in zip(rates, angles, strict=True)]
     cancelled = sum(map(abs, speeds)) / max(abs(sum(speeds)), sys.float_info.min)
-    magnified = max(pendulum.mass_ratio, mu / max(across + mu * along, AT_REST), cancelled)
-    within = _tolerance(contact, settings, surface, None, HEIGHT_ROUNDING * magnified)
+    magnified = max(pendulum.mass_ratio, rubbed, cancelled)
+    rounding = dict.fromkeys(labels, HEIGHT_ROUNDING * magnified)
     slowest = AT_REST * max(map(abs, rates))
-    rate_1, rate_2 = one.contact.rates_after
-    impulses = contact_quantities(one.contact)
-    sides = {
-        "final_rate_1": (-rate_1, slowest),
-        "final_rate_2": (-rate_2, slowest),
-        **{name: (impulses[name], 0.0) for name in IMPULSES},
-        "kinetic_energy_ratio": (one.kinetic_energy_ratio, AT_REST**2),
+    least = {
+        "final_rate_1": slowest,
+        "final_rate_2": slowest,
+        "kinetic_energy_ratio": AT_REST**2,
     }
-    found = []
-    for name, (simulated, least) in sides.items():
-        known = name != "kinetic_energy_ratio" or one.kinetic_energy_before
-        pair = (simulated, getattr(theory, name) if known else None)
-        found.append(_row(name, (IMPACT | RODS)[name], pair, within, least))
-    return _report(impacts, found, lambda one: -one.contact.rates_after[1], "second rod")
+    found = _compared(labels, simulated, theory, _tolerance(impacts, settings), rounding, least)
+    return _report(impacts, found, -1.0, "second rod")
 
 
-def _coefficients(surface: Surface) -> tuple[float, float, float]:
-    return surface.friction, surface.restitution, surface.friction_in_restitution
+def _compared(
+    labels: Mapping[str, tuple[str, str]],
+    simulated: Values,
+    theory: Values,
+    tolerance: float | None,
+    rounding: Mapping[str, float],
+    least: Mapping[str, float],
+) -> tuple[Quantity, ...]:
+    """Compare simulated values with theory.
 
-
-def _row(
-    name: str,
-    words: tuple[str, str],
-    sides: Iterable[float | None],
-    within: float | None,
-    least: float,
-) -> Quantity:
-    """Return a comparison of a simulated and a theoretical value, ``sides``; a value of magnitude
-    up to ``least`` counts as 0.
+    Args:
+        labels: label and unit by name.
+        simulated, theory: values by name.
+        tolerance: largest relative difference without the rounding errors that geometry magnifies;
+            None if a difference is a finding.
+        rounding: these rounding errors, relative, by name.
+        least: largest magnitude that counts as 0, by name.
     """
-    first, second = (0.0 if each is not None and abs(each) <= least else each for each in sides)
-    return Quantity(name, words[1], first, second, tolerance=within, label=words[0])
+
+    def rounded(values: Values) -> Values:
+        """Return the values, of which those of negligible magnitude are 0."""
+        return {
+            name: value and value * (abs(value) > least.get(name, 0.0))
+            for name, value in values.items()
+        }
+
+    within: Values = {}
+    if tolerance is not None:
+        within = {name: tolerance + min(rounding[name], MOST_WIDENED) for name in labels}
+    return rows(labels, rounded(simulated), rounded(theory), tolerances=within)
 
 
-def _tolerance(
-    contact: Contact, settings: Settings, surface: Surface, jam: float | None, rounding: float
-) -> float | None:
+def _tolerance(impacts: Impacts, settings: Settings, jam: float = math.inf) -> float | None:
     """Return the largest relative difference of a contact law from theory; None for a law that does
     not follow the theory.
 
     At the jam, mu = tan gamma, the solution is singular. Near it the rounding error of the inverse
     mass matrix K is magnified by the inverse of the relative distance from the jam. ``jam`` is the
-    friction at the jam, if there is one. ``rounding`` is the rounding error that geometry
-    magnifies: of a bristle that is short compared with its hub or nearly upright, or of stick under
-    a huge first mass.
+    friction at the jam, if there is one.
     """
-    timed = contact.law == "compliant" and contact.duration is not None
-    if contact.law == "engine" or timed or contact.tangential_compliance:
+    contact = impacts.contact
+    if contact.law == "engine" or contact.duration is not None or contact.tangential_compliance:
         return None
     if contact.law == "compliant":
         return max(COMPLIANT_TOLERANCE, settings.accuracy)
-    distance = 1.0 if jam is None else min(1.0, abs(1.0 - surface.friction_in_restitution / jam))
-    return _widened(1e-9 + 1e-14 / max(distance, 1e-14), rounding)
-
-
-def _widened(tolerance: float | None, rounding: float) -> float | None:
-    return None if tolerance is None else tolerance + min(rounding, MOST_WIDENED)
+    distance = min(1.0, abs(1.0 - impacts.surface.friction_in_restitution / jam))
+    return 1e-9 + 1e-14 / max(distance, 1e-14)
 
 
 def _report(
-    impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str
+    impacts: Impacts, quantities: tuple[Quantity, ...], sign: float, turning: str
 ) -> Report:
+    """Return the report on an impact.
+
+    ``sign`` is the sign of rates in the dissertation, relative to the simulation's, and ``turning``
+    is the name of the rod whose rate the answer states.
+    """
     requested = impacts.strikes[impacts.contact.law]
     elastic = bool(impacts.contact.tangential_compliance)
     one = requested.contact
-    turned = rate(requested)
     head = (
         "law",
         "rate after, rad/s",
@@ -271,7 +284,7 @@ def _report(
         "work t, J",
         "energy ratio",
     )
-    laws = [_law(law, each, rate(each)) for law, each in impacts.strikes.items()]
+    laws = [_law(law, each, sign) for law, each in impacts.strikes.items()]
     forms = ("", ".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
     pairs = (zip(law.values(), forms, strict=True) for law in laws)
     cells = tuple(
@@ -282,16 +295,16 @@ def _report(
     known = (
         "the formulas are for a contact that is rigid along the surface"
         if elastic
-        else agreement(rows)
+        else agreement(quantities)
     )
-    motion = f"the {turning} then turns at {amount(turned, 'rad/s')}"
+    motion = f"the {turning} then turns at {amount(sign * one.rates_after[-1], 'rad/s')}"
     answer = f"The tip {one.outcome_in_words}, with {impulse}; {motion}, and {known}."
     remarks = [f"{law}: {reason}" for law, reason in impacts.refusals.items()]
     if elastic:
         remarks.append("theory: of a contact that is rigid along the surface")
     return Report(
-        **record_fields(one, requested, strike=one.time),
-        quantities=tuple(rows),
+        **record_fields(requested, strike=one.time),
+        quantities=quantities,
         remarks=tuple(remarks),
         tables=(Table("the contact laws compared", head, cells),),
         extra={"laws": laws},
@@ -302,13 +315,13 @@ def _report(
     )
 
 
-def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
+def _law(law: str, one: ChainStrike, sign: float) -> dict[str, Any]:
     """Return the results by one contact law for the JSON, in SI units."""
     normal, tangential = one.contact.impulse
     works = one.contact.work or (None, None)
     return {
         "law": law,
-        "rate_after": rate,
+        "rate_after": sign * one.contact.rates_after[-1],
         "normal_impulse": normal,
         "tangential_impulse": tangential,
         "normal_work": works[0],

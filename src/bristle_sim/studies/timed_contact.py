@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
 from bristle_sim.arrays import Array
@@ -25,7 +26,7 @@ from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.impacts import radial_chain
 from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import normal_compressive_impulse
-from bristle_sim.trajectory import ContactHistory, ContactRecord
+from bristle_sim.trajectory import ContactHistory
 
 Result = TypeVar("Result")
 
@@ -78,23 +79,18 @@ class TimedContact:
     Time series have one entry for each sample.
 
     Attributes:
-        surface: the surface.
         chain: the bristle before the contact.
-        record: record of the contact.
-        steps, wall_s: engine steps and wall time of the last simulation.
+        strike: the contact, and the cost of its simulation.
     """
 
-    surface: Surface
     chain: Chain
-    record: ContactRecord
-    steps: int
-    wall_s: float
+    strike: ChainStrike
 
     @property
     def history(self) -> ContactHistory:
         """History of the contact over time."""
-        assert self.record.history is not None
-        return self.record.history
+        assert self.strike.contact.history is not None
+        return self.strike.contact.history
 
     @cached_property
     def time(self) -> Array:
@@ -109,10 +105,7 @@ class TimedContact:
     @property
     def tip_speed(self) -> float:
         """Speed v_C of the tip before the contact (Zhang 2020, eq. 2.24), m/s."""
-        return (
-            self.chain.lengths[0] * self.chain.rates[0]
-            + self.chain.hub_radius * self.chain.hub_speed
-        )
+        return math.hypot(*self.strike.contact.velocity_before)
 
     @cached_property
     def force(self) -> Array:
@@ -156,43 +149,26 @@ class TimedContact:
     @property
     def rate(self) -> Array:
         """Absolute angular velocity of the bristle, rad/s."""
-        return self._rate_and_lead[0]
+        swing = self._tip_velocity - self._root_velocity
+        forward = (swing * np.exp(-1j * self.chain.angles[0])).real
+        return np.asarray(np.copysign(abs(swing), forward) / self.chain.lengths[0])
 
     @property
     def centre_speed(self) -> Array:
         """Speed v_G of the bristle's centre, m/s."""
-        rate, lead = self._rate_and_lead
-        rim = self.chain.hub_radius * self.chain.hub_speed
-        half = 0.5 * self.chain.lengths[0] * rate
-        return np.sqrt(rim**2 + half**2 + 2.0 * rim * half * np.cos(lead))
+        return np.asarray(0.5 * abs(self._root_velocity + self._tip_velocity))
 
-    @cached_property
-    def _rate_and_lead(self) -> tuple[Array, Array]:
-        """Angular velocity of the bristle, rad/s, and its angle ahead of the hub, rad.
+    @property
+    def _tip_velocity(self) -> NDArray[np.complex128]:
+        """Velocity of the tip in the plane, m/s; the imaginary part is normal to the workpart."""
+        return self.history.tangential_velocity + 1j * self.history.normal_velocity
 
-        Both follow from the tip's velocity along the workpart.
-        """
-        radius = self.chain.hub_radius
-        length = self.chain.lengths[0]
-        hub_speed = self.chain.hub_speed
-        start = self.chain.hub_angle
-        angle = self.chain.angles[0]
-        velocity = self.history.tangential_velocity
-        root = start + hub_speed * self.time
-        along = (
-            length * math.sin(angle)
-            + self._sums(velocity)
-            - radius * (np.sin(root) - math.sin(start))
-        )
-        below = (
-            length * math.cos(angle)
-            + self.history.penetration
-            - radius * (np.cos(root) - math.cos(start))
-        )
-        turned = np.arctan2(along, below)
-        return (velocity - radius * hub_speed * np.cos(root)) / (
-            length * np.cos(turned)
-        ), turned - root
+    @property
+    def _root_velocity(self) -> NDArray[np.complex128]:
+        """Velocity of the bristle's root on the hub in the plane, m/s."""
+        chain = self.chain
+        angle = chain.hub_angle + chain.hub_speed * self.time
+        return np.asarray(chain.hub_radius * chain.hub_speed * np.exp(1j * angle))
 
     def _sums(self, values: Array) -> Array:
         return np.asarray(cubics(self.time, values).antiderivative()(self.time))
@@ -247,7 +223,7 @@ def timed_contact(
             hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length
         )
         found = strike(chain, surface, Contact("compliant", duration), settings)
-        contact = TimedContact(surface, chain, found.contact, found.steps, found.wall_s)
+        contact = TimedContact(chain, found)
         history = found.contact.history
         values = (0.0, 0.0)
         if history is not None and history.normal_force.max() > 0.0:
@@ -276,9 +252,8 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
     """
     if contact is None:
         return {"outcome": "no contact"}
-    return record_fields(
-        contact.record, contact, strike=0.0, deepest=contact.compression_time, **later
-    )
+    events = {"strike": 0.0, "deepest": contact.compression_time} | later
+    return record_fields(contact.strike, **events)
 
 
 def with_visible_contact(impacts: Impacts) -> Impacts:

@@ -19,6 +19,7 @@ from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
+from bristle_sim.scene.strike import ChainStrike, WireStrike
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
 from bristle_sim.studies.strike_measures import (
@@ -281,16 +282,16 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
     }
 
 
-def record_fields(contact: ContactRecord, cost: Any, /, **events: float) -> dict[str, Any]:
+def record_fields(struck: ChainStrike | WireStrike, **events: float) -> dict[str, Any]:
     """Return the fields of a report on a single contact: outcome, phases, cost, and events.
 
     ``events`` are times by name, s.
     """
     return {
-        **outcome_fields(contact),
+        **outcome_fields(struck.contact),
         "events": tuple(events.items()),
-        "wall_s": cost.wall_s,
-        "steps": cost.steps,
+        "wall_s": struck.wall_s,
+        "steps": struck.steps,
     }
 
 
