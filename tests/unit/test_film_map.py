@@ -110,7 +110,7 @@ def test_an_interrupted_map_goes_on_from_its_store(
         return simulate(simulated, *arguments, **options)
 
     monkeypatch.setattr(module, "simulate", noted)
-    with pytest.raises(KeyboardInterrupt, match="the same call goes on"):
+    with pytest.raises(KeyboardInterrupt):
         film(tool, kept, settings)
     finished = cases[:3]
     cases[:] = [(None, 0.0)] * 4  # no further interruption

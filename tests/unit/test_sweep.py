@@ -191,7 +191,8 @@ def test_progress_tells_the_time_left(
 def test_every_kind_of_worker_gives_the_serial_results_bit_for_bit():
     space = {"x": np.linspace(0.1, 9.7, 40), "y": [1 / 3, 0.7]}
     expected = sweep(power, space)
-    assert sweep(power, space, workers=2).identical(expected)
+    for number in (2, np.int64(2)):
+        assert sweep(power, space, workers=number).identical(expected)
     with ThreadPoolExecutor(2) as executor:
         assert sweep(power, space, workers=executor).identical(expected)
 

@@ -8,10 +8,11 @@ pickles. xarray labels and reads them.
 import inspect
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
 from importlib import metadata
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -23,17 +24,13 @@ from tqdm import tqdm
 
 from bristle_sim.studies.sweep_identity import identity_of, name_of
 from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
-from bristle_sim.studies.sweep_store import BLOCK, Results, SweepStore, check_name
-from bristle_sim.studies.sweep_workers import LOST, client_of, evaluated
+from bristle_sim.studies.sweep_store import BLOCK, Results, check_name
+from bristle_sim.studies.sweep_workers import Outcomes, client_of, evaluated
 from bristle_sim.units import shown
-
-Outcomes = Generator[tuple[Point, Outcome], None, None]
 
 WRITTEN_EVERY = 1.0  # Time between two writes of finished points, s; a killed program loses the work since the last
 # Time after which a sweep shows its progress, s; if standard error is no terminal, also the time between two lines
 PATIENCE = 5.0
-# Largest number of attempts to complete a store; if points are still missing, another program may be writing to it
-ROUNDS = 5
 MOST_WORKERS = 1024  # Largest number of processes: more than a computer has cores
 
 
@@ -95,46 +92,18 @@ def sweep(
     )
     bound = {name: str(value) for name, value in getattr(function, "keywords", {}).items()}
     grid.attrs = {"function": name_of(function), **bound, "software": software, "version": version}
-    results = Results(grid)
-    kept = ""
+    folder = None
     if store is not None:
         coordinates = {name: (each.dims, each.values) for name, each in grid.coords.items()}
         identity = (identity_of(function, version), coordinates, dict(grid.sizes))
-        results = SweepStore(Path(store) / f"{joblib.hash(identity, 'sha1')}.zarr", grid)
-        kept = f"the points that are finished are kept in {store}; the same call goes on"
-    again = LOST
-    try:
-        for _ in range(ROUNDS):
-            if not (missing := np.flatnonzero(results.missing(again))).size:
-                return _labelled(results, units or {})
-            outcomes = evaluated(function, _points(grid, missing), workers)
-            _write(results, outcomes, missing.size, progress)
-            again = ""
-    except KeyboardInterrupt:
-        raise SweepInterrupted(kept, _labelled(results, units or {}).load()) from None
-    raise RuntimeError(f"store = {shown(store)}: must keep the results that are written to it")
-
-
-def _labelled(results: Results, units: Mapping[str, str]) -> xr.Dataset:
-    """Return the results as a Dataset with units, ordered by name."""
-    found = results.dataset()
-    found = found[sorted(map(str, found.data_vars))]
-    for variable, each in found.variables.items():
-        each.attrs = {"units": units[str(variable)]} if variable in units else {}
-    found.attrs = results.grid.attrs
-    return found
-
-
-class SweepInterrupted(KeyboardInterrupt):
-    """Raised when the user interrupts a sweep; it carries the results so far.
-
-    Attributes:
-        results: results of the finished points, NaN at the other points.
-    """
-
-    def __init__(self, kept: str, results: xr.Dataset) -> None:
-        super().__init__(kept)
-        self.results = results
+        folder = Path(store) / f"{joblib.hash(identity, 'sha1')}.zarr"
+    results = Results(grid, folder)
+    numbers = np.flatnonzero(results.missing())
+    if numbers.size:
+        outcomes = evaluated(function, _points(grid, numbers), workers)
+        _write(results, outcomes, numbers.size, progress)
+    found = results.dataset(units or {})
+    return found.load() if folder is None else found
 
 
 def _check(
@@ -147,7 +116,8 @@ def _check(
             keyword arguments of a point.
     """
     pool = isinstance(workers, Executor | None) or client_of(workers) is not None
-    if not pool and not (type(workers) is int and workers and workers <= MOST_WORKERS):
+    number = isinstance(workers, Integral) and not isinstance(workers, bool)
+    if not pool and not (number and workers and workers <= MOST_WORKERS):
         allowed = f"a whole number other than 0 of at most {MOST_WORKERS}, an Executor, a Dask client or None"
         raise ValueError(f"workers = {shown(workers)}: must be {allowed}")
     if store is not None and (
@@ -181,8 +151,7 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
         return np.array(values, dtype=object) if words else values
 
     try:
-        given = getattr(space, "variables", space)
-        grid = xr.Dataset(coords={name: typed(values) for name, values in given.items()})
+        grid = xr.Dataset(coords={name: typed(values) for name, values in space.items()})
     except (AttributeError, TypeError, ValueError) as error:
         raise ValueError(
             f"space: must be coordinates as xarray.Dataset takes them ({error})"
@@ -204,24 +173,16 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 
 def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
     """Yield the index and the arguments of points of the grid; the last dimension varies fastest."""
-    axes = list(grid.sizes)
-    shape = tuple(grid.sizes.values())
-    parameters = {
-        str(name): (each.values, [*map(axes.index, each.dims)])
+    columns = {
+        str(name): each.variable.set_dims(dict(grid.sizes)).values
         for name, each in grid.coords.items()
     }
     for number in numbers.tolist():
-        place = np.unravel_index(number, shape)
-        arguments = {
-            name: values.item(tuple(place[axis] for axis in own))
-            for name, (values, own) in parameters.items()
-        }
-        yield number, arguments
+        yield number, {name: values.item(number) for name, values in columns.items()}
 
 
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
-    """Write the outcomes of points to the store as they arrive, at intervals, and show the
-    progress.
+    """Write the outcomes of points as they arrive, at intervals, and show the progress.
 
     If the evaluation ends with an error, the finished points are written too.
     """

@@ -9,16 +9,15 @@ bound values.
 
 import copyreg
 import functools
-import hashlib
 import linecache
 import sys
 import sysconfig
 from collections.abc import Callable
 from pathlib import Path
-from pickle import PicklingError
 from types import CellType, FunctionType
 from typing import Any
 
+import joblib
 import numpy as np
 from joblib.hashing import NumpyHasher
 
@@ -42,20 +41,10 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
             object that is not data.
     """
     libraries = [_version(name) for name in ("numpy", "pymunk", "scipy")]
+    own = _folder_digest(Path(__file__).parents[1])
     try:
-        return str(
-            _Hasher(version).hash(
-                (_folder_digest(Path(__file__).parents[1]), libraries, version, function)
-            )
-        )
-    except (
-        ValueError,
-        TypeError,
-        AttributeError,
-        ImportError,
-        RecursionError,
-        PicklingError,
-    ) as error:
+        return str(_Hasher(version).hash((own, libraries, version, function)))
+    except Exception as error:  # pickle raises those of the objects that it cannot save
         reason = " ".join(str(error).split())
         words = f"function = {name_of(function)}: a store cannot notice changes of {reason}"
         raise ValueError(words + ("" if version else "; pass version=...")) from error
@@ -79,45 +68,37 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
 
         The parts are the state of an empty tuple, since they may refer back to the value.
         """
+        parts: Any
         if isinstance(value, FunctionType):
             cells = [cell.cell_contents for cell in value.__closure__ or () if cell != CellType()]
-            parts: Any = (
-                self.source(value, value.__code__.co_filename),
-                value.__defaults__,
-                value.__kwdefaults__,
-                cells,
-            )
+            text = self.source(value, value.__code__.co_filename)
+            parts = (text, value.__defaults__, value.__kwdefaults__, cells)
         elif isinstance(value, type) and value.__module__ != "builtins":
-            methods = [
-                each.__code__.co_filename
-                for each in vars(value).values()
-                if isinstance(each, FunctionType)
-            ]
-            file = getattr(sys.modules.get(value.__module__), "__file__", None)
-            parts = self.source(value, file or next(filter(linecache.getlines, methods), ""))
+            parts = self.source(value, getattr(sys.modules.get(value.__module__), "__file__", ""))
         elif isinstance(value, frozenset):  # joblib sorts a set, but not a frozen one
             parts = set(value)
         elif isinstance(value, functools._lru_cache_wrapper):
             parts = [value.__wrapped__]
         elif isinstance(value, np.ufunc) and getattr(np, value.__name__, None) is not value:
             parts = self.name_alone(value, f"the ufunc {value.__name__!r}")
-        elif not (
-            type(value) in self.dispatch
-            or type(value) in copyreg.dispatch_table
-            or _has_state(value)
-        ):
-            parts = self.name_alone(value, f"an object of the type {type(value).__qualname__!r}")
-        else:
+        elif type(value) in self.dispatch or type(value) in copyreg.dispatch_table:
             return NotImplemented
+        else:
+            try:
+                value.__reduce_ex__(3)
+            except TypeError:  # a lock or a generator, which pickle cannot save
+                words = f"an object of the type {type(value).__qualname__!r}"
+                parts = self.name_alone(value, words)
+            else:
+                return NotImplemented
         return tuple, (), parts
 
     def source(self, value: Any, file: str) -> Any:
         """Return the name of a function or class, its position in the source text, and the text
         with a digest of its package.
         """
-        package = (
-            getattr(sys.modules.get(value.__module__), "__package__", "") or value.__module__
-        ).partition(".")[0]
+        module = sys.modules.get(value.__module__)
+        package = (getattr(module, "__package__", "") or value.__module__).partition(".")[0]
         built_in = not file and value.__module__ != "__main__"
         if built_in or "site-packages" in Path(file).parts or file.startswith(INSTALLED):
             return value.__module__, value.__qualname__, _version(package)
@@ -125,11 +106,8 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         if not (text := linecache.getlines(file)):
             return self.name_alone(value, f"{value.__qualname__!r}, which has no source text")
         place = list(value.__code__.co_positions()) if isinstance(value, FunctionType) else None
-        folders = [
-            self.digest(Path(folder))
-            for folder in getattr(sys.modules.get(package), "__path__", ())
-        ]
-        return value.__qualname__, place, text, folders
+        folders = getattr(sys.modules.get(package), "__path__", ())
+        return value.__qualname__, place, text, [self.digest(Path(each)) for each in folders]
 
     def name_alone(self, value: Any, words: str) -> str:
         """Return the name of a value, which identifies it if the user gives a version.
@@ -142,23 +120,12 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         return name_of(value)
 
 
-def _has_state(value: Any) -> bool:
-    """Return whether pickle can save an object; it cannot save a lock or a generator."""
-    try:
-        value.__reduce_ex__(3)
-    except TypeError:
-        return False
-    return True
-
-
 def _folder_digest(folder: Path) -> str:
     """Return a digest of the names and texts of all Python files in a package's folder."""
-    digest = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
-        digest.update(
-            path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0"
-        )
-    return digest.hexdigest()
+    files = {
+        str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*.py"))
+    }
+    return str(joblib.hash(files))
 
 
 def _version(package: str) -> str:

@@ -5,7 +5,7 @@ import logging
 import math
 import pickle
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,16 +19,12 @@ Outcome = tuple[
     dict[str, Array], str
 ]  # results of a point by name, and the reason why results are missing, or an empty text
 FAILURE = "failure"  # Name of the variable with the reason why a point lacks results
+# First words of the reason for failure of points that the next call on a store computes again
+LOST = "lost with its worker"
 
 # Time after which a worker returns the points that it has finished, s. If it is killed, the points that it has not
 # returned are lost.
 TURN = 0.3
-
-
-def serially(function: Function, points: Iterable[Point]) -> Iterator[tuple[Point, Outcome]]:
-    """Yield points with their outcomes, evaluated in the calling process."""
-    for point in points:
-        yield point, outcome_of(function, point[1])
 
 
 def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:

@@ -1,4 +1,4 @@
-"""Results of a sweep on the grid of its points, kept in memory or as zarr arrays in a folder.
+"""Results of a sweep on the grid of its points, kept as zarr arrays in memory or in a folder.
 
 Points are written to a folder as they are finished. The folder is checked before more points are
 computed, and read by xarray. In zarr a chunk of an array is a file of its own with a checksum,
@@ -10,7 +10,6 @@ point.
 import json
 import logging
 import math
-import os
 import time
 import zlib
 from collections.abc import Mapping, Sequence
@@ -24,7 +23,8 @@ import zarr
 from numpy.typing import NDArray
 from zarr.codecs import Crc32cCodec, ZstdCodec
 
-from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
+from bristle_sim.files import complete_or_absent
+from bristle_sim.studies.sweep_point import FAILURE, LOST, Outcome, Point
 
 # Value of results that are not written yet or were lost: netCDF's fill value. xarray reads it as NaN.
 UNWRITTEN = 9.969209968386869e36
@@ -32,258 +32,181 @@ ABANDONED = 60.0  # Age at which a half-written file counts as left behind by a 
 BLOCK = 4096  # Largest number of points in a chunk, which is one file
 GROUP = "zarr.json"  # Name of the file that describes a group or an array, in its folder
 
-
 NOT_COMPUTED = "not computed"  # Reason for failure of points that are still to be computed
+
+Shapes = Mapping[str, tuple[int, ...]]
 
 
 class Results:
-    """Results of a sweep in memory: one array for each result, and one with the reasons of
-    failures.
+    """Results of a sweep: one array for each result, and one with the reasons of failures.
 
-    The first axes of every array are those of the grid.
+    The first axes of every array are those of the grid. A point counts as not computed until its
+    reason, which may be empty, is written.
 
     Attributes:
         grid: coordinates of the points.
-        shape: shape of the grid.
-        taken: names of parameters and dimensions, which a result must not have.
+        folder: folder that keeps the arrays; None keeps them in memory.
         shapes: shape of each result at a single point, by name.
         arrays: the arrays, by name.
     """
 
-    def __init__(self, grid: xr.Dataset) -> None:
+    def __init__(self, grid: xr.Dataset, folder: Path | None) -> None:
         self.grid = grid
-        self.shape = tuple(grid.sizes.values())
-        self.taken = {*map(str, grid.coords), *map(str, grid.sizes)}
-        self.shapes: dict[str, tuple[int, ...]] = {}
-        self.arrays: dict[str, Any] = {FAILURE: np.full(self.shape, NOT_COMPUTED, dtype=object)}
-
-    def missing(self, again: str = "") -> NDArray[np.bool_]:  # noqa: ARG002
-        """Return which points of the grid must be computed, as an array of booleans.
-
-        ``again`` has an effect in a store alone.
-        """
-        return np.asarray(self.arrays[FAILURE] == NOT_COMPUTED)
-
-    def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
-        """Write the results of some points, and then their reasons for failure.
-
-        A point counts as not computed until its reason, which may be empty, is written.
-
-        Raises:
-            ValueError: for a result with the name of a parameter, or with a name that is not
-                permitted for an array.
-        """
-        numbers = np.array([number for (number, _), _ in outcomes])
-        results = [values for _, (values, _) in outcomes]
-        reasons = np.array([reason for _, (_, reason) in outcomes], dtype=object)
-        new = dict[str, tuple[int, ...]]()
-        for values in results:
-            for name in values.keys() - self.shapes.keys():
-                new.setdefault(name, values[name].shape)
-        if new:
-            self._add(new)
-        for name, inner in self.shapes.items():
-            column = np.full((len(outcomes), *inner), math.nan)
-            for i, values in enumerate(results):
-                value = values.get(name)
-                if value is not None and value.shape == inner:
-                    column[i] = value
-                elif value is not None:
-                    reasons[i] = f"{name} has the shape {value.shape}, at other points {inner}"
-            self._put(name, numbers, column)
-        self._put(FAILURE, numbers, reasons)
-
-    def _add(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Add arrays for results that the earlier points did not have.
-
-        Raises:
-            ValueError: for a result with the name of a parameter, or with a name that is not
-                permitted for an array.
-        """
-        for name in shapes:
-            if name in self.taken:
-                raise ValueError(
-                    f"function: its result {name} must not have the name of a parameter or dimension"
-                )
-            check_name("function: its result", name)
-        self._create(shapes)
-        self.shapes.update(shapes)
-
-    def _create(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Create arrays filled with NaN; ``shapes`` has the shape of each result at a single point."""
-        self.arrays.update(
-            (name, np.full((*self.shape, *inner), math.nan)) for name, inner in shapes.items()
-        )
-
-    def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
-        """Write values of a result at points that are given by their indices in the grid."""
-        if values.size:
-            self.arrays[name].reshape(-1, *values.shape[1:])[numbers] = values
-
-    def dataset(self) -> xr.Dataset:
-        """Return the grid as a Dataset with the results."""
-        found = self.grid.copy()
-        for name, array in self.arrays.items():
-            own_axes = [f"{name}_{axis}" for axis in range(array.ndim - len(self.shape))]
-            values = array.astype(object) if name == FAILURE else array
-            found[name] = ([*self.grid.sizes, *own_axes], values)
-        return found
-
-
-def check_name(what: str, name: str) -> None:
-    """Check that an array in a folder may have a name; ``what`` describes it in the message.
-
-    Raises:
-        ValueError: for a name that is empty, unprintable or reserved.
-    """
-    if (
-        not name.isprintable()
-        or not name
-        or "/" in name
-        or name.startswith((".", "__"))
-        or name == "zarr.json"
-    ):
-        rule = (
-            "must have a name without / and unprintable letters, that begins with neither . nor __"
-        )
-        raise ValueError(f"{what} {name!r} {rule}")
-
-
-class SweepStore(Results):
-    """Results of a sweep in a folder.
-
-    The folder's attributes repeat the names and shapes of the results, with a checksum.
-    """
-
-    def __init__(self, folder: Path, grid: xr.Dataset) -> None:
-        super().__init__(grid)
         self.folder = folder
-        for partial in folder.rglob("*.partial"):
-            with suppress(OSError):
-                if time.time() - partial.stat().st_mtime > ABANDONED:
-                    partial.unlink()
+        self.shapes: Shapes = {}
+        self.arrays: dict[str, Any] = {}
+        self._memory: dict[str, Any] = {}
+        self._store = zarr.storage.MemoryStore(self._memory) if folder is None else folder
+        if folder is not None:
+            for partial in folder.rglob("*.partial"):
+                with suppress(OSError):
+                    if time.time() - partial.stat().st_mtime > ABANDONED:
+                        partial.unlink()
+            self.shapes = _described(folder)
         self._create({})
 
-    def missing(self, again: str = "") -> NDArray[np.bool_]:
+    def missing(self) -> NDArray[np.bool_]:
         """Return which points of the grid must be computed, as an array of booleans.
 
-        If ``again`` is not empty, points whose reason for failure begins with it are included.
-        Points that were damaged or lost are logged.
+        They are the points that are not computed yet, and those that were lost with their worker.
+        Points that were damaged or lost in the folder are logged too.
 
         Raises:
             OSError: if a file cannot be read.
         """
-        missing = np.zeros(self.shape, bool)
-        lost = np.zeros(self.shape, bool)
+        axes = len(self.grid.sizes)
+        missing = np.zeros([*self.grid.sizes.values()], bool)
+        lost = np.zeros_like(missing)
         for name, array in self.arrays.items():
             for corner in np.ndindex(array.cdata_shape):
                 region = tuple(
                     slice(i * n, (i + 1) * n) for i, n in zip(corner, array.chunks, strict=True)
                 )
-                points = region[: len(self.shape)]
-                own_axes = tuple(range(len(self.shape), len(region)))
+                points = region[:axes]
                 try:
                     values = np.asarray(array[region])
-                    absent = (values == array.fill_value).any(axis=own_axes)
                 except (OSError, MemoryError):
                     raise
                 except Exception:  # of the many kinds that codecs raise for damaged bytes
-                    array[region], absent = array.fill_value, np.array(True)
-                    lost[points] = True
-                else:
-                    if name == FAILURE and again:
-                        absent |= np.strings.startswith(values, again)
-                lost[points] |= absent & ~missing[points] & (name != FAILURE)
+                    array[region] = array.fill_value
+                    missing[points] = lost[points] = True
+                    continue
+                if name == FAILURE:
+                    missing[points] = (values == NOT_COMPUTED) | np.strings.startswith(values, LOST)
+                    continue
+                absent = (values == UNWRITTEN).any(axis=tuple(range(axes, values.ndim)))
+                lost[points] |= absent & ~missing[points]
                 missing[points] |= absent
         if lost.any():
             words = "%s: %d points were damaged or lost, and are computed again"
             logging.getLogger(__name__).warning(words, self.folder, lost.sum())
         return missing
 
-    def _add(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        super()._add(shapes)
-        computed = np.flatnonzero(self.arrays[FAILURE][...] != NOT_COMPUTED)
-        for name, inner in shapes.items():
-            self._put(name, computed, np.full((computed.size, *inner), math.nan))
-
-    def _create(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Write the descriptions and coordinates that are absent or damaged, and open the arrays.
-
-        The description of the whole folder is written last.
+    def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
+        """Write the results of some points, and then their reasons for failure.
 
         Raises:
-            OSError: if an absent file cannot be written.
+            ValueError: for a result with the name of a parameter, or with a name that is not
+                permitted for an array.
         """
-        self.shapes = dict(sorted({**self._described(), **shapes}.items()))
-        for name, content in sorted(self._files().items(), key=lambda item: item[0] == GROUP):
-            path = self.folder / name
-            before = path.read_bytes() if path.exists() else None
-            if before != content:
+        numbers = np.array([number for (number, _), _ in outcomes])
+        reasons = np.array([reason for _, (_, reason) in outcomes], dtype=object)
+        new = dict[str, tuple[int, ...]]()
+        for _, (values, _) in outcomes:
+            for name in values.keys() - self.shapes.keys():
+                new.setdefault(name, values[name].shape)
+        if new:
+            self._add(new)
+        for name, inner in self.shapes.items():
+            column = np.full((len(outcomes), *inner), math.nan)
+            for i, (_, (values, _)) in enumerate(outcomes):
+                value = values.get(name, column[i])
+                if value.shape == inner:
+                    column[i] = value
+                else:
+                    reasons[i] = f"{name} has the shape {value.shape}, at other points {inner}"
+            self._put(name, numbers, column)
+        self._put(FAILURE, numbers, reasons)
+
+    def dataset(self, units: Mapping[str, str]) -> xr.Dataset:
+        """Return the grid as a Dataset with the results, which xarray loads lazily without Dask.
+
+        Its variables are in the order of their names, with the given units.
+        """
+        stored: xr.Dataset = xr.open_zarr(self._store, chunks=None, consolidated=False)
+        text = stored[FAILURE].astype(object)  # versions of xarray differ in the type they read
+        found = stored.assign({FAILURE: text}).assign_coords(self.grid.coords)
+        found = found[sorted(map(str, found.data_vars))]
+        for name, each in found.variables.items():
+            each.attrs = {"units": units[str(name)]} if name in units else {}
+        found.attrs = self.grid.attrs
+        return found
+
+    def _add(self, shapes: Shapes) -> None:
+        """Add arrays of NaN for results that the earlier points did not have."""
+        for name in shapes:
+            if name in {*self.grid.coords, *self.grid.sizes}:
+                raise ValueError(
+                    f"function: its result {name} must not have the name of a parameter or dimension"
+                )
+            check_name("function: its result", name)
+        self._create(shapes)
+        for name in shapes:
+            self.arrays[name][...] = math.nan
+
+    def _create(self, new: Shapes) -> None:
+        """Write the descriptions and coordinates that are absent or damaged, and open the arrays.
+
+        Raises:
+            OSError: if a file cannot be written. A folder that has all files is read all the same,
+                since a disk that is full or read-only may hold all points.
+        """
+        self.shapes = dict(sorted({**self.shapes, **new}.items()))
+        contents = self._contents()
+        if self.folder is None:
+            self._memory.update(contents)
+        else:
+            for name, content in contents.items():
+                path = self.folder / name
+                before = path.read_bytes() if path.exists() else None
+                if before == content.to_bytes():
+                    continue
                 try:
-                    _replace(path, content)
-                except OSError:  # a disk that is full or read-only may hold all points
-                    if before is None:
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                    with complete_or_absent(path) as partial:
+                        partial.write_bytes(content.to_bytes())
+                except OSError:
+                    if before is None or new:
                         raise
-        group = zarr.open_group(self.folder, mode="r+")
+        group = zarr.open_group(self._store, mode="r+")
         self.arrays = {name: group[name] for name in (FAILURE, *self.shapes)}
 
-    def _described(self) -> dict[str, tuple[int, ...]]:
-        """Return the shapes of the results that the folder already holds, by name.
-
-        They are read from the descriptions of the arrays, and from the folder's description if it
-        is intact.
-        """
-        shapes = dict[str, tuple[int, ...]]()
-        for path in self.folder.glob(f"*/{GROUP}"):
-            with suppress(ValueError, TypeError, KeyError):
-                shape = tuple(json.loads(path.read_bytes())["shape"])
-                if (
-                    path.parent.name not in {*self.taken, FAILURE}
-                    and shape[: len(self.shape)] == self.shape
-                ):
-                    shapes[path.parent.name] = shape[len(self.shape) :]
-        with suppress(FileNotFoundError):
-            content = (self.folder / GROUP).read_bytes()
-            try:
-                attributes = json.loads(content)["attributes"]
-                if zlib.crc32(attributes["results"].encode()) != attributes["checksum"]:
-                    raise ValueError(attributes["checksum"])
-                shapes |= {
-                    name: tuple(inner) for name, inner in json.loads(attributes["results"]).items()
-                }
-            except (ValueError, TypeError, KeyError, AttributeError):
-                logging.getLogger(__name__).warning(
-                    "%s: its description was damaged and is made anew", self.folder
-                )
-        return shapes
-
-    def _files(self) -> dict[str, bytes]:
+    def _contents(self) -> dict[str, Any]:
         """Return the contents of the descriptions and coordinates, by the name of their file.
 
-        The chunks of results are not included.
+        The chunks of results are not included. The descriptions of the folder and of the reasons
+        repeat the shapes of all results, with a checksum.
         """
-        content = dict[str, Any]()
-        results = json.dumps(self.shapes)
-        memory = zarr.storage.MemoryStore(content)
+        contents = dict[str, Any]()
+        memory = zarr.storage.MemoryStore(contents)
+        shapes = json.dumps(self.shapes)
+        attributes: dict[str, Any] = {"results": shapes, "checksum": zlib.crc32(shapes.encode())}
         words = {
             name: each.astype(str).astype(object)
             for name, each in self.grid.coords.items()
             if each.dtype == object
         }
-        written = self.grid.assign_coords(words).assign_attrs(
-            results=results, checksum=zlib.crc32(results.encode())
-        )
+        written = self.grid.assign_coords(words).assign_attrs(attributes)
         written.to_zarr(memory, mode="w", zarr_format=3, consolidated=False)
         group = zarr.open_group(memory, mode="r+")
-        chunk = list[int]()
-        points = BLOCK
-        for size in reversed(self.shape):  # of points that follow each other
-            chunk.insert(0, min(size, points))
-            points //= chunk[0]
+        sizes = [*self.grid.sizes.values()]
+        # Points in a chunk follow each other: the last axes are whole, one is cut, the others have a single value.
+        after = [math.prod(sizes[axis + 1 :]) for axis in range(len(sizes))]
+        chunk = [min(size, max(1, BLOCK // n)) for size, n in zip(sizes, after, strict=True)]
         for name, inner in {FAILURE: (), **self.shapes}.items():
             group.create_array(
                 name,
-                shape=(*self.shape, *inner),
+                shape=(*sizes, *inner),
                 chunks=(*chunk, *(max(1, size) for size in inner)),
                 dtype=str if name == FAILURE else float,
                 fill_value=NOT_COMPUTED if name == FAILURE else UNWRITTEN,
@@ -292,10 +215,9 @@ class SweepStore(Results):
                     *map(str, self.grid.sizes),
                     *(f"{name}_{axis}" for axis in range(len(inner))),
                 ],
-                attributes={} if name == FAILURE else {"missing_value": UNWRITTEN},
-                config={"write_empty_chunks": True},
+                attributes=attributes if name == FAILURE else {"missing_value": UNWRITTEN},
             )
-        return {name: each.to_bytes() for name, each in content.items()}
+        return contents
 
     def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
         """Write values of a result at points that are given by their indices in the grid.
@@ -304,29 +226,42 @@ class SweepStore(Results):
         """
         array = self.arrays[name]
         inner = math.prod(values.shape[1:])
-        if not values.size:
-            return
         if not array.shape:
             array[...] = values[0]
-            return
-        places = (numbers[:, None] * inner + np.arange(inner)).ravel()
-        array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
-
-    def dataset(self) -> xr.Dataset:
-        """Return the grid as a Dataset with the results, which xarray loads lazily without Dask."""
-        stored: xr.Dataset = xr.open_zarr(self.folder, chunks=None, consolidated=False)
-        text = stored[FAILURE].astype(object)  # versions of xarray differ in the type they read
-        return stored.assign({FAILURE: text}).assign_coords(self.grid.coords)
+        elif values.size:
+            places = (numbers[:, None] * inner + np.arange(inner)).ravel()
+            array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
 
 
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file completely or, if that fails, leave the old one."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.{os.urandom(8).hex()}.partial")
-    try:
-        partial.write_bytes(content)
-        partial.replace(path)
-    except OSError:
-        with suppress(OSError):
-            partial.unlink()
-        raise
+def _described(folder: Path) -> Shapes:
+    """Return the shapes of the results that a folder already holds, by name.
+
+    Two files have them. If a program was killed while it added a result, one has more.
+    """
+    found: list[Shapes] = [{}]
+    for path in (*folder.glob(GROUP), *folder.glob(f"{FAILURE}/{GROUP}")):
+        try:
+            attributes = json.loads(path.read_bytes())["attributes"]
+            if zlib.crc32(attributes["results"].encode()) != attributes["checksum"]:
+                raise ValueError(attributes["checksum"])
+            shapes = json.loads(attributes["results"])
+            found.append({name: tuple(inner) for name, inner in shapes.items()})
+        except (ValueError, TypeError, KeyError, AttributeError):
+            logging.getLogger(__name__).warning(
+                "%s: its description was damaged and is made anew", path.parent
+            )
+    return max(found, key=len)
+
+
+def check_name(what: str, name: str) -> None:
+    """Check that an array in a folder may have a name; ``what`` describes it in the message.
+
+    Raises:
+        ValueError: for a name that is empty, unprintable or reserved.
+    """
+    reserved = name in ("", GROUP) or name.startswith((".", "__"))
+    if reserved or "/" in name or not name.isprintable():
+        rule = (
+            "must have a name without / and unprintable letters, that begins with neither . nor __"
+        )
+        raise ValueError(f"{what} {name!r} {rule}")
