@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
@@ -62,21 +63,21 @@ def polyline_distance(first: Points, second: Points) -> Array:
     The corners are complex numbers x + i y. The polylines have shape (n, corners), the distances
     (n,).
     """
-    found = np.full(len(first), np.inf)
-    for i in range(first.shape[1] - 1):
-        for j in range(second.shape[1] - 1):
-            pair = (first[:, i : i + 2], second[:, j : j + 2])
-            crossing = np.full(len(first), True)
-            for points, segment in (pair, pair[::-1]):
-                along = (segment[:, 1] - segment[:, 0])[:, np.newaxis]
-                seen = (
-                    np.conj(along) * (points - segment[:, :1]) / abs(along) ** 2
-                )  # from the segment, over its length
-                away = abs(seen - np.clip(seen.real, 0.0, 1.0)) * abs(along)
-                found = np.minimum(found, away.min(axis=1))
-                crossing &= np.prod(seen.imag, axis=1) < 0.0
-            found[crossing] = 0.0
-    return found
+
+    def seen(points: Points, line: Points) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the smallest distance of a polyline's corners from another polyline, and whether
+        consecutive corners are on both sides of each of its segments.
+        """
+        along = np.diff(line)[:, np.newaxis]
+        from_start = points[:, :, np.newaxis] - line[:, np.newaxis, :-1]
+        place = np.conj(along) * from_start / abs(along) ** 2  # over the segment's length
+        away = abs(place - np.clip(place.real, 0.0, 1.0)) * abs(along)
+        return away.min(axis=(1, 2)), place.imag[:, 1:] * place.imag[:, :-1] < 0.0
+
+    distance, around = seen(first, second)
+    other_distance, other_around = seen(second, first)
+    crossing = (around & other_around.swapaxes(1, 2)).any(axis=(1, 2))
+    return np.where(crossing, 0.0, np.minimum(distance, other_distance))
 
 
 def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:

@@ -31,14 +31,10 @@ from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
 
-# First width, deg, of the interval about the theoretical least pitch in which the least pitch of
-# simulated rows is searched by bisection.
-FIRST_WIDTH = 0.1
-RESOLUTION = 0.005  # last width of that interval, deg
-# Largest width of that interval, deg. The interval is doubled until the wires touch at its lower end
-# alone. If it becomes wider than this, the search fails.
-WIDEST = 1.6
-AGREEMENT = 0.05  # largest difference of simulated and theoretical least pitch, deg
+# Largest difference of simulated and theoretical least pitch, deg. The least pitch of simulated rows
+# is searched by bisection within this distance of the theoretical one.
+AGREEMENT = 0.05
+RESOLUTION = 0.005  # largest width of the interval at which the bisection ends, deg
 # Number of samples in a period of the lone bristle on its belt. Its centre line is interpolated
 # between them.
 SAMPLES_PER_PERIOD = 150
@@ -109,44 +105,34 @@ def neighbours(
     lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
     found = NeighbourRow(tool, row, settings, bristles, lone, least_pitches_of(tool, lone))
     reference = None
-    least = dict[str, float | None]()
     if with_reference:
-        from bristle_sim.reference import simulate_reference, simulate_row_reference
+        from bristle_sim.reference import simulate_row_reference
 
         options: Any = {"hub_turn": settings.hub_turn, "accuracy": reference_accuracy(settings)}
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
-        least = {
-            each.name: each.by_theory
-            for each in least_pitches_of(tool, simulate_reference(tool, **options))
-        }
     strikes = list[dict[str, float | None]]()
     for number, run in enumerate(bristles, 1):
         time = run.event_time("strike")
         before = sum(time is None or each < time for each in _touches(run))
-        strikes.append(
-            {"bristle": number, "touches_before_strike": before, "contact_time": time}
-            | strike_values(tool, run)
-        )
+        counted = {"bristle": number, "touches_before_strike": before, "contact_time": time}
+        strikes.append(counted | strike_values(tool, run))
     last = bristles[-1]
     reason = unsearched(tool, lone)
-    contact = last.first_contact("workpart")
-    least_pitches = [_searched(found, each, least.get(each.name)) for each in found.least]
-    stops = f"The row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})."
-    counted = (
-        f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
-    )
+    theory = f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
+    least = [_searched(found, each) for each in found.least]
     return Report(
-        **outcome_fields(contact),
-        quantities=(*least_pitches, *_strike_quantities(found, reference)),
+        **outcome_fields(last.first_contact("workpart")),
+        quantities=(*least, *_strike_quantities(found, reference)),
         **run_fields(last),
         remarks=(
-            f"theory of bristle {row.bristles}'s strike: a bristle alone. {stops}",
-            f"least pitches: {counted}",
+            f"theory of bristle {row.bristles}'s strike: a bristle alone. The row stops at"
+            f" {1e3 * last.time[-1]:.4f} ms ({last.stop_reason}).",
+            f"least pitches: {theory}",
         ),
         tables=(_strikes_table(strikes),),
         extra={"bristles": strikes},
         subject=found,
-        answer=_answer(found, least_pitches, strikes[-1]),
+        answer=_answer(found, least, strikes[-1]),
     )
 
 
@@ -259,18 +245,17 @@ def root_pitch(tool: Tool) -> float:
     return math.degrees(2.0 * math.asin(tool.bristle.wire_diameter / (2.0 * tool.hub.radius)))
 
 
-def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
+def _searched(row: NeighbourRow, least: LeastPitch) -> Quantity:
     """Search for the largest pitch at which two simulated wires touch, near the theoretical least
     pitch.
 
     Returns:
-        The comparison of both pitches; the simulated one is None if it was not searched or not
-        found.
+        The comparison of both pitches; the simulated one is None if it was not searched, or is not
+        within AGREEMENT of the theoretical one.
     """
-    compared = Quantity(
-        least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name]
-    )
-    if least.until is None or least.by_theory is None or row.neighbours.search == "no":
+    theory = least.by_theory
+    compared = Quantity(least.name, "deg", None, theory, label=LEAST_PITCHES[least.name])
+    if least.until is None or theory is None or row.neighbours.search == "no":
         return compared
     pair = dataclasses.replace(row.neighbours, bristles=2)
     end = least.until
@@ -286,16 +271,18 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
         brief = dataclasses.replace(row.settings, hub_turn=speed * until - turn)
         return any(each <= until for each in _touches(_simulated(row.tool, pair, brief, pitch)[0]))
 
-    width = FIRST_WIDTH
-    middle = least.by_theory
-    while not (touch(middle - 0.5 * width) and not touch(middle + 0.5 * width)):
-        width *= 2.0
-        if width > WIDEST:
-            return dataclasses.replace(compared, tolerance=AGREEMENT / least.by_theory)
-    while width > RESOLUTION:
-        width *= 0.5
-        middle += 0.5 * width if touch(middle) else -0.5 * width
-    return dataclasses.replace(compared, simulated=middle, tolerance=AGREEMENT / least.by_theory)
+    compared = dataclasses.replace(compared, tolerance=AGREEMENT / theory)
+    low = theory - AGREEMENT
+    high = theory + AGREEMENT
+    if touch(high) or not touch(low):
+        return compared
+    while high - low > RESOLUTION:
+        middle = 0.5 * (low + high)
+        if touch(middle):
+            low = middle
+        else:
+            high = middle
+    return dataclasses.replace(compared, simulated=0.5 * (low + high))
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
@@ -324,26 +311,19 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     theory = {"wire_contacts": None if touched else 0.0, **strike_values(tool, row.lone)}
     referred: Values = {}
     if reference is not None:
-        referred = {
-            "wire_contacts": float(len(_touches(reference))),
-            **strike_values(tool, reference),
-        }
-    # Errors are relative to an angle of 1 rad, the hub's rate, and the strike of a lone bristle.
-    scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": tool.hub.speed}
-
-    def tolerance(name: str) -> float | None:
-        """Return the tolerance of a quantity by name; None if nothing can judge it."""
-        value = (referred or theory)[name]
-        # A touch may change all later motion, and any bristle of the row may end the run for all.
-        if touched and reference is None:
-            return None
-        if name == "wire_contacts":
-            return 0.0 if reference is not None or ended else None
-        if not value or (simulated[name] is None and not ended):
-            return None
-        size = max(scales.get(name, 0.0), abs(theory[name] or value))
-        return 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
-
+        touches = float(len(_touches(reference)))
+        referred = {"wire_contacts": touches, **strike_values(tool, reference)}
+    # A touch may change all later motion, and any bristle of the row may end the run for all.
+    within = dict[str, float]()
+    if reference is not None or not touched:
+        if reference is not None or ended:
+            within["wire_contacts"] = 0.0
+        # Errors are relative to an angle of 1 rad, the hub's rate, and the strike of a lone bristle.
+        scales = (math.degrees(1.0), tool.hub.speed, 0.0)
+        for name, scale in zip(STRIKE, scales, strict=True):
+            value = (referred or theory)[name]
+            if value and (ended or simulated[name] is not None):
+                size = max(scale, abs(theory[name] or value))
+                within[name] = 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
     units = {"wire_contacts": ("touches of its wire", "1"), **STRIKE}
-    within = {name: tolerance(name) for name in units}
     return rows(units, simulated, theory, referred, tolerances=within)
