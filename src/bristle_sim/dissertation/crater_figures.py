@@ -17,12 +17,8 @@ from scipy.optimize import brentq
 from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Axis, Level, Mark, Panel, Redrawn, curve_of
-from bristle_sim.parameters import Crater
-from bristle_sim.studies.crater_study import (
-    MEASURED,
-    energy_depth_course,
-    merchant_depth_course,
-)
+from bristle_sim.parameters import Bristle, Crater
+from bristle_sim.studies.crater_study import MEASURED
 from bristle_sim.theory.crater import (
     energy_crater_depth,
     energy_crater_depth_ratio,
@@ -190,15 +186,12 @@ def energy_figure() -> Redrawn:
     The printed equation can be read in two ways, which give the two curves: a sum of quotients, and
     a quotient of two sums.
     """
-    course = [
-        float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES
-    ]
     curves = (
         curve_of(
             "sum of quotients (4.62)",
             np.vectorize(energy_crater_depth),
             WHOLE_PLIES,
-            {"motion": (FEW_PLIES, course)},
+            {"motion": (FEW_PLIES, [*map(_energy_sum, FEW_PLIES.tolist())])},
         ),
         curve_of("ratio of two sums (4.66)", np.vectorize(energy_crater_depth_ratio), WHOLE_PLIES),
     )
@@ -248,7 +241,32 @@ def _depth(along: str, given: dict[str, Any], x: Any) -> Any:
 def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float:
     """Return the crater depth, m, by the printed sum (4.57)."""
     crater = dataclasses.replace(OWN, impact_angle_deg=math.degrees(impact_angle), **changes)
-    return float(merchant_depth_course(crater)[-1])
+    return merchant_sum(crater)
+
+
+def merchant_sum(crater: Crater) -> float:
+    """Return the crater depth, m, by Merchant's relation as printed (4.57).
+
+    It is the sum over plies, the layers of the chip that are cut in equal time steps. The product
+    of sine and cosine of the shear angle of least work is written as a difference.
+    """
+    time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
+    gamma = math.radians(crater.impact_angle_deg)
+    ratio = 0.5 * (1.0 - math.sin(math.atan2(1.0, crater.friction) - gamma)) * math.cos(gamma)
+    growth = float(np.sum(np.diff(BRISTLE(time)) / PRINTED_WIDTH(time[1:])))
+    return ratio * growth / crater.shear_yield_stress
+
+
+def _energy_sum(plies: int) -> float:
+    """Return the crater depth, m, by work and energy (4.58, 4.62-4.65), with the energy of the
+    printed motion (4.6, 4.7).
+    """
+    time = np.linspace(0.0, COMPRESSION_TIME, plies + 1)
+    wire = Bristle()
+    speed = PRINTED_KINEMATICS.centre_velocity(time)
+    rate = PRINTED_KINEMATICS.bristle_rate(time)
+    energy = 0.5 * wire.mass * speed**2 + 0.5 * wire.inertia_about_centre * rate**2
+    return math.cos(IMPACT_ANGLE) * float(np.sum(-np.diff(energy) / BRISTLE(time[1:])))
 
 
 def _friction(depth: float, impact_angle: float) -> float:

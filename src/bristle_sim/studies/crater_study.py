@@ -15,9 +15,6 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Values, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Bristle, Crater, Hub, Surface
@@ -34,11 +31,8 @@ from bristle_sim.theory.crater_cutting import (
 )
 from bristle_sim.theory.crater_kinematics import (
     PRINTED_FACE,
-    PRINTED_KINEMATICS,
-    PRINTED_WIDTH,
     TipFace,
 )
-from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import (
     CuttingAngles,
     ShearAngleError,
@@ -254,53 +248,12 @@ def cut_of(crater: Crater, wire_diameter: float) -> dict[str, Any]:
     }
 
 
-def merchant_depth_course(crater: Crater) -> Array:
-    """Return the crater depth after each ply, m, by Merchant's relation (4.57), shape (plies + 1,).
-
-    A ply is the layer of the chip that is cut in one of equal time steps. The first depth is 0. The
-    angles are in degrees, as printed.
-    """
-    time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
-    steep = math.degrees(math.atan2(1.0, crater.friction))
-    gamma = crater.impact_angle_deg
-    shear = math.radians(45.0 - steep / 2.0 + gamma / 2.0)
-    resultant = math.radians(45.0 + steep / 2.0 - gamma / 2.0)
-    leaning = math.radians(steep - gamma)
-    growth = np.diff(BRISTLE(time) * math.cos(leaning))
-    ratio = (
-        math.sin(shear) * math.cos(resultant) * math.cos(math.radians(gamma)) / math.cos(leaning)
-    )
-    return np.concatenate(
-        [[0.0], np.cumsum(growth * ratio / (PRINTED_WIDTH(time[1:]) * crater.shear_yield_stress))]
-    )
-
-
-def energy_depth_course(crater: Crater) -> Array:
-    """Return the crater depth after each ply, m, by work and energy (4.58, 4.62-4.65), shape (plies
-    + 1,).
-
-    A ply is the layer of the chip that is cut in one of equal time steps. The first depth is 0. The
-    bristle's motion is the printed one (4.6, 4.7).
-    """
-    time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
-    wire = Bristle()
-    motion = PRINTED_KINEMATICS
-    rate = motion.bristle_rate(time)
-    centre = motion.centre_velocity(time)
-    energy = 0.5 * wire.mass * centre**2 + 0.5 * wire.inertia_about_centre * rate**2
-    depth = np.cumsum(-np.diff(energy) / BRISTLE(time[1:]))
-    return np.concatenate([[0.0], depth * math.cos(math.radians(crater.impact_angle_deg))])
-
-
 def _constant_deg(crater: Crater, wire_diameter: float) -> float | None:
     """Return the constant C of (4.45), deg, that gives the measured depth; None if no C gives it."""
     try:
+        cut = cut_of(crater, wire_diameter)
         return math.degrees(
-            float(
-                chapter_4.constant_for_crater_depth(
-                    MEASURED, plies=int(crater.plies), **cut_of(crater, wire_diameter)
-                )
-            )
+            chapter_4.constant_for_crater_depth(MEASURED, plies=int(crater.plies), **cut)
         )
     except ValueError:
         return None
