@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from bristle_sim.scene.events import Event, Kind
-from bristle_sim.scene.interval import Interval, at_state
-from bristle_sim.scene.locate import Monitor, first_change, locate
+from bristle_sim.scene.extrapolation import IntervalResult
+from bristle_sim.scene.locate import Interval, first_change, locate
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach
 from bristle_sim.scene.system import LEAST_VALUE
@@ -22,7 +22,8 @@ def interval(length: float = 1.0, rate: float = 1.0) -> Interval:
     """A link that turns by rate times length at a constant rate, so that its angle is rate times the time."""
     ends = State(0.0, (0.0,), (rate,)), State(length, (rate * length,), (rate,))
     return Interval(
-        *map(at_state, ends), lambda time: at_state(State(time, (rate * time,), (rate,)))
+        *map(IntervalResult, ends),
+        lambda time: IntervalResult(State(time, (rate * time,), (rate,))),
     )
 
 
@@ -129,12 +130,9 @@ class TestFirstChange:
 
         plan = SimpleNamespace(time_scale=1.0, accuracy=1e-3)
         stepper = SimpleNamespace(noise=1e-4)
-        system: Any = SimpleNamespace(
-            plan=plan, stepper=stepper, state=interval().start, noise=LEAST_VALUE
-        )
-        monitor = Monitor(Event(force, -1, Kind.RELEASE, None), system)
-        monitor.sign = 1.0
-        reached, event = first_change(system, [monitor], interval())
+        system: Any = SimpleNamespace(plan=plan, stepper=stepper)
+        release = Event(Kind.RELEASE, None, force, noise=LEAST_VALUE, sign=1.0)
+        reached, event = first_change(system, [release], interval())
         if event is None:
             assert force(reached.end) >= -LEAST_VALUE
         else:
@@ -154,11 +152,9 @@ class TestFirstChange:
     def test_a_change_of_sign_that_is_an_event_is_left_to_it(
         self, direction: int, sign: float | None, value: float, kept: bool
     ) -> None:
-        system: Any = SimpleNamespace(state=interval().start, noise=LEAST_VALUE)
-        monitor = Monitor(Event(lambda _: value, direction, Kind.SLIP_STOPS, None), system)
-        monitor.sign = sign
-        monitor.follow(value)
-        assert monitor.sign == (sign if kept else value)
+        event = Event(Kind.SLIP_STOPS, None, lambda _: value, direction, sign=sign)
+        event.follow(interval().end)
+        assert event.sign == (sign if kept else value)
 
     def test_an_event_within_an_instant_of_the_start_is_there(self) -> None:
         """What a shorter time is integrated to is rounding."""

@@ -14,6 +14,7 @@ import cmath
 import functools
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,6 +132,12 @@ class Scene:
             turned = angle - self.turned + drift * rate
             values += (place.real, place.imag, turned, velocity.real, velocity.imag, rate)
         self.engine.place(values)
+
+    def state_at(self, time: float, values: Sequence[float]) -> State:
+        """Return the state from a list that begins with the links' angles and rates in the engine."""
+        links = len(self.links)
+        angles = [angle + self.turned for angle in values[:links]]
+        return State(time, tuple(angles), tuple(values[links : 2 * links]))
 
     @property
     def connected(self) -> Connected:

@@ -16,10 +16,9 @@ from typing import ClassVar
 import numpy as np
 
 from bristle_sim.scene.build import Scene, damped_interval
-from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
+from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, Load
 from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at
-from bristle_sim.scene.interval import Load
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import Spring, SpringForce

@@ -3,15 +3,49 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import NamedTuple
 
 from bristle_sim.scene.gaps import Gaps
-from bristle_sim.scene.interval import Sums
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import Spring
 from bristle_sim.trajectory import ContactRecord
+
+
+class Sums(NamedTuple):
+    """Forces of one contact on its link at the end of an interval, and the forces' impulse and work
+    in the interval; engine units.
+
+    Attributes:
+        normal: normal force.
+        tangential: tangential force; in stick, the force that friction would have to supply.
+        impulse_normal: impulse of the normal force.
+        impulse_tangential: impulse of the tangential force.
+        work_normal: work of the normal force.
+        work_tangential: work of the tangential force.
+        tangential_at_start: tangential force of a contact with a spring in stick, at the beginning
+            of the interval; otherwise 0.
+    """
+
+    normal: float = 0.0
+    tangential: float = 0.0
+    impulse_normal: float = 0.0
+    impulse_tangential: float = 0.0
+    work_normal: float = 0.0
+    work_tangential: float = 0.0
+    tangential_at_start: float = 0.0
+
+
+# count of values of one contact in the flat list that an integrator extrapolates
+NUMBERS = len(Sums._fields)
+
+
+def sums_of(totals: Sequence[float], index: int) -> Sums:
+    """Return one contact's forces, impulses and work from the flat list of all contacts' values."""
+    return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
 
 
 class Outcome(StrEnum):

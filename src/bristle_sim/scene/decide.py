@@ -26,10 +26,9 @@ from bristle_sim.scene.events import (
     Happening,
     Kind,
     contact_events,
-    motion_events,
 )
-from bristle_sim.scene.locate import Monitor
-from bristle_sim.scene.motion import Motion
+from bristle_sim.scene.extrapolation import IntervalResult
+from bristle_sim.scene.motion import Motion, motion_events
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 from bristle_sim.scene.rigid import RigidContacts, sense_of_slip
 from bristle_sim.scene.spring import Spring
@@ -137,11 +136,13 @@ def begin_motion(system: System, contacts: Contacts) -> Motion:
         )
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)
-    events = [
+    motion.events = (
         *contact_events(system, active, motion.rigid),
         *motion_events(system, in_contact=bool(active)),
-    ]
-    motion.monitors = tuple([Monitor(event, system) for event in events])
+    )
+    start = IntervalResult(system.state)
+    for event in motion.events:
+        event.begin(start, system.noise)
     return motion
 
 

@@ -15,15 +15,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum, auto
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
-from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.interval import IntervalResult, sums_of
-from bristle_sim.scene.mechanism import State, cross
-from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair
+from bristle_sim.scene.contact import ActiveContact, sums_of
+from bristle_sim.scene.extrapolation import IntervalResult
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.pairs import BarPair, ClosestApproach
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
 from bristle_sim.scene.system import System
@@ -40,6 +40,10 @@ of an interval."""
 OVERDUE_DURATIONS = 10.0
 """Duration of a contact in the rigid-body limit, over its expected duration, above which the
 contact counts as pressed on instead of as an impact."""
+
+ROUNDED_TOLERANCES = 10.0
+"""Largest value, over the tolerance, that counts as a located zero where rounding error keeps all
+guesses outside the tolerance."""
 
 
 class Kind(Enum):
@@ -99,25 +103,66 @@ DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY})
 rounding error."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Event:
     """An event that may happen: a function of an interval's result, and the change of its sign that
     marks the event.
 
     Attributes:
-        value: the function.
-        direction: -1 for a fall through zero, +1 for a rise, 0 for both.
         kind: kind of the event.
         subject: contact, pair or wire of the event, as its kind states.
+        value: the function.
+        direction: -1 for a fall through zero, +1 for a rise, 0 for both.
         tolerance: tolerance of the function at the located zero; None for the run's own tolerance.
             If it is given, a value has a sign unless it is rounding error.
+        noise: magnitude up to which a value has no sign.
+        sign: the last sign; None while it is unknown.
+        known: the last result at which the function was computed, and its value there.
     """
 
-    value: Callable[[IntervalResult], float]
-    direction: int
     kind: Kind
     subject: Any
+    value: Callable[[IntervalResult], float]
+    direction: int = -1
     tolerance: float | None = None
+    noise: float = math.ulp(1.0)
+    sign: float | None = None
+    known: tuple[IntervalResult | None, float] = (None, math.nan)
+
+    def at(self, result: IntervalResult) -> float:
+        """Return the value at a result; a second call for the same result costs nothing."""
+        if self.known[0] is not result:
+            self.known = (result, self.value(result))
+        return self.known[1]
+
+    def begin(self, start: IntervalResult, noise: float) -> None:
+        """Set the sign at the start of a smooth motion, so that a change in the first interval
+        counts as an event.
+
+        ``noise`` is the magnitude up to which rates and accelerations have no sign.
+        """
+        if self.tolerance is None:
+            self.noise = noise
+        if self.kind in BEGINS_POSITIVE:
+            self.sign = 1.0
+            if abs(self.at(start)) <= ROUNDED_TOLERANCES * (self.tolerance or 0.0):
+                return
+        self.sign = self.sign_at(start)
+
+    def sign_at(self, result: IntervalResult) -> float | None:
+        """Return the value's sign at a result; the last sign if the value is too small to have one."""
+        value = self.at(result)
+        return math.copysign(1.0, value) if abs(value) > self.noise else self.sign
+
+    def follow(self, end: IntervalResult) -> None:
+        """Update the sign with the value at an interval's end.
+
+        A change of sign that is an event is left to the next interval, which then begins with the
+        event.
+        """
+        sign = self.sign_at(end)
+        if self.sign in (None, sign) or self.direction == self.sign:
+            self.sign = sign
 
 
 class Happening(NamedTuple):
@@ -132,53 +177,6 @@ class Happening(NamedTuple):
     kind: Kind
     subject: Any
     detail: Any = None
-
-
-def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
-    """Yield the events of the motion as a whole: largest retraction, highest speed, retraction
-    limit, and the tip's exit from a dent.
-    """
-    mechanism = system.mechanism
-    effects = system.scene.effects
-    plan = system.plan
-
-    def relative_rate(link: int, at: IntervalResult) -> float:
-        return at.state.rates[link] - mechanism.hub_speed
-
-    def acceleration(link: int, at: IntervalResult) -> float:
-        """Return the acceleration of a rigid bristle in flight, by its equation of motion."""
-        time, angles, rates = at.state
-        pose = mechanism.poses(at.state)[link]
-        arm = pose.centre - pose.joint
-        moment = (effects.stiffness or 0.0) * (mechanism.root_angle(link, time) - angles[link])
-        moment += effects.damping * (mechanism.hub_speed - rates[link])
-        carried = mechanism.hub_speed**2 * cross(arm, pose.joint) - effects.gravity * arm.real
-        own = mechanism.links[link]
-        return (moment + own.mass * carried) / own.inertia_about_joint
-
-    def left(link: int, at: IntervalResult) -> float:
-        """Return the angle by which a wire's first link may still turn before it lies on the hub,
-        rad.
-        """
-        return plan.retraction_limit - abs(
-            at.state.angles[link] - mechanism.root_angle(link, at.state.time)
-        )
-
-    def gap(pair: ContactPair, at: IntervalResult) -> float:
-        return system.gaps.gap(pair, at.state)
-
-    for wire in range(mechanism.wires):
-        link = wire * mechanism.wire_links
-        if not plan.single_contact:
-            yield Event(partial(relative_rate, link), 1, Kind.LARGEST_RETRACTION, wire)
-        if not (plan.single_contact or in_contact or mechanism.wire_links > 1):
-            # A wire of several links vibrates.
-            yield Event(partial(acceleration, wire), -1, Kind.HIGHEST_SPEED, wire)
-        if math.isfinite(plan.retraction_limit):
-            yield Event(partial(left, link), -1, Kind.RETRACTION_LIMIT, wire)
-    for number, pair in enumerate(system.pairs):
-        if pair.dent:
-            yield Event(partial(gap, replace(pair, dent=0.0)), 1, Kind.DENT_LEFT, number)
 
 
 def contact_events(
@@ -227,14 +225,14 @@ def _rigid_events(
     def slip(at: IntervalResult) -> float:
         return (contact.slip or 1) * gaps.closest(pair, at.state).velocity[1]
 
-    yield Event(compliance, -1, Kind.LOCKED, contact)
-    yield Event(push, -1, Kind.RELEASE, (contact,))
+    yield Event(Kind.LOCKED, contact, compliance)
+    yield Event(Kind.RELEASE, (contact,), push)
     if contact.slip == 0:
-        yield Event(spare, -1, Kind.BREAKS_AWAY, contact)
+        yield Event(Kind.BREAKS_AWAY, contact, spare)
     elif contact.slip:
-        yield Event(slip, -1, Kind.SLIP_STOPS, contact)
+        yield Event(Kind.SLIP_STOPS, contact, slip)
     elif pair.friction:
-        yield Event(slip, 0, Kind.KINK, contact)
+        yield Event(Kind.KINK, contact, slip, 0)
 
 
 def _bar_events(
@@ -261,13 +259,13 @@ def _bar_events(
 
     ends = 2 * len(mechanism.links[pair.link].corners) - 2
     for end in range(1, ends):
-        yield Event(partial(passed, end), 0, Kind.KINK, contact)
+        yield Event(Kind.KINK, contact, partial(passed, end), 0)
     if ends > 2:
-        yield Event(beside, -1, Kind.TOUCH, pair)
+        yield Event(Kind.TOUCH, pair, beside)
     if lower is not None:
-        yield Event(partial(passed, 0), -1, Kind.HAND_OVER, (contact, lower))
+        yield Event(Kind.HAND_OVER, (contact, lower), partial(passed, 0))
     if upper is not None:
-        yield Event(partial(after, upper), 1, Kind.HAND_OVER, (contact, upper))
+        yield Event(Kind.HAND_OVER, (contact, upper), partial(after, upper), 1)
 
 
 def _spring_events(
@@ -288,27 +286,17 @@ def _spring_events(
     def touch(state: State) -> ClosestApproach:
         return gaps.closest(pair, state)
 
-    def closing(at: IntervalResult) -> float:
-        return -touch(at.state).velocity[0]
-
     def slip(at: IntervalResult) -> float:
         return spring.slip * spring.foot_speed(touch(at.state).velocity)
 
-    def slip_at_rest(at: IntervalResult) -> float:
-        return slip(at) - spring.least_slip_at_rest
-
-    def beyond(level: float, at: IntervalResult) -> float:
-        return (spring.surface - touch(at.state).gap - level) / duration
-
-    def above_deepest(at: IntervalResult) -> float:
-        return -beyond(spring.deepest or 0.0, at)
+    def depth(at: IntervalResult) -> float:
+        return spring.surface - touch(at.state).gap
 
     def rest_margin(which: int, at: IntervalResult) -> float:
         """Return a margin of friction of a contact that slips at rest, scaled to a velocity."""
         if not at.totals:
             return math.nan
-        penetration = spring.surface - touch(at.state).gap
-        margins = spring.rest_margins(penetration, sums_of(at.totals, index).tangential)
+        margins = spring.rest_margins(depth(at), sums_of(at.totals, index).tangential)
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
@@ -319,33 +307,38 @@ def _spring_events(
             force = sums_of(at.totals, index).tangential
         else:
             return math.nan
-        return spring.spare_friction(spring.surface - touch(at.state).gap, force) / (
-            spring.law.stiffness * duration
-        )
+        return spring.spare_friction(depth(at), force) / (spring.law.stiffness * duration)
 
     def left(at: IntervalResult) -> float:
         """Return the time until the contact is too long for an impact, over its duration."""
         since = at.state.time - (contact.start or at.state).time
         return OVERDUE_DURATIONS - since / duration
 
+    falls = partial(Event, subject=contact, tolerance=tolerance)
     # This event ends contacts that follow the impact law and would not end otherwise.
     if system.follows_law(spring):
-        yield Event(left, -1, Kind.OVERDUE, contact, tolerance)
+        yield falls(Kind.OVERDUE, value=left)
     # The depth below the earlier maximum rises from zero and may fall back at once: only values
     # within the rounding error of a position count as zero.
     at_deepest = min(tolerance, PLACE_ROUNDING / duration)
     if spring.at_rest:
-        yield Event(slip_at_rest, -1, Kind.FOOT_STOPS, contact, tolerance)
-        yield Event(partial(rest_margin, 0), -1, Kind.REST_ENDS, contact, tolerance)
-        yield Event(partial(rest_margin, 1), -1, Kind.PRESSED_ON, contact, at_deepest)
+        yield falls(Kind.FOOT_STOPS, value=lambda at: slip(at) - spring.least_slip_at_rest)
+        yield falls(Kind.REST_ENDS, value=partial(rest_margin, 0))
+        yield falls(Kind.PRESSED_ON, value=partial(rest_margin, 1), tolerance=at_deepest)
         return
-    if spring.deepest is None:
+    deepest = spring.deepest
+    if deepest is None:
         ends = Kind.RELOADING_ENDS if spring.pressed_on else Kind.COMPRESSION_ENDS
-        yield Event(closing, -1, ends, contact, tolerance)
+        yield falls(ends, value=lambda at: -touch(at.state).velocity[0])
     else:
-        yield Event(partial(beyond, spring.residual), -1, Kind.UNLOADED, contact, tolerance)
-        yield Event(above_deepest, -1, Kind.PRESSED_ON, contact, at_deepest)
+        residual = spring.residual
+        yield falls(Kind.UNLOADED, value=lambda at: (depth(at) - residual) / duration)
+        yield falls(
+            Kind.PRESSED_ON,
+            value=lambda at: (deepest - depth(at)) / duration,
+            tolerance=at_deepest,
+        )
     if spring.slip:
-        yield Event(slip, -1, Kind.FOOT_STOPS, contact, tolerance)
+        yield falls(Kind.FOOT_STOPS, value=slip)
     elif spring.elastic or spring.compliance_in_stick:
-        yield Event(spare, -1, Kind.CONE_REACHED, contact, tolerance)
+        yield falls(Kind.CONE_REACHED, value=spare)

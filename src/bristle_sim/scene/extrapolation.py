@@ -12,10 +12,13 @@ Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
+from bisect import bisect
+from collections.abc import Callable, Mapping, Sequence
 from operator import mul
+from types import MappingProxyType
+from typing import NamedTuple, Protocol
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.interval import IntervalResult, Load, state_of
 from bristle_sim.scene.mechanism import State
 
 PLACING_COST = 6.0
@@ -28,6 +31,64 @@ ANGLE_ROUNDING = 4e-16
 # least ratio of the errors of two successive repetitions that is believed under damping, where a
 # single estimate may be too small
 LEAST_GAIN = 0.1
+
+
+class Load(Protocol):
+    """Interface between an integrator and the forces of all contacts in a smooth motion.
+
+    Attributes:
+        symmetric: whether the forces are the same forwards and backwards in time.
+    """
+
+    symmetric: bool
+
+    def begin(self, step: float) -> Callable[[], None] | None:
+        """Reset impulses and work; return the callback to run before each step of the length
+        ``step``, or None if no callback is needed.
+        """
+
+    def totals(self) -> list[float]:
+        """Return the values of :class:`bristle_sim.scene.contact.Sums` of all contacts in one list, after the last step."""
+
+    def fails(self, totals: Sequence[float]) -> bool:
+        """Return whether a contact would have to pull to stay closed."""
+
+
+class IntervalResult(NamedTuple):
+    """Result of integrating over an interval.
+
+    Attributes:
+        state: the state at the interval's end.
+        accelerations: the links' angular accelerations at the interval's end.
+        totals: the values of :class:`bristle_sim.scene.contact.Sums` of all contacts in one list;
+            empty where the contact forces are unknown.
+        error: estimated error, the larger one of the error of angles, rad, and the error of rates,
+            rad per time unit; 0 without an estimate.
+        failed: whether a contact would have had to pull; the rest of the result is then
+            meaningless.
+        errors: estimated error after each repetition of the interval, by the repetition's index.
+        middle: the state at half the interval; None if the integrator does not compute it.
+    """
+
+    state: State
+    accelerations: tuple[float, ...] = ()
+    totals: tuple[float, ...] = ()
+    error: float = 0.0
+    failed: bool = False
+    errors: Mapping[int, float] = MappingProxyType({})
+    middle: State | None = None
+
+    def moved(self, time: float) -> IntervalResult:
+        """Return the result with its state advanced by a short time at constant acceleration."""
+        when, angles, rates = self.state
+        angles = tuple(
+            [
+                a + time * (u + 0.5 * time * b)
+                for a, u, b in zip(angles, rates, self.accelerations, strict=True)
+            ]
+        )
+        rates = tuple([u + time * b for u, b in zip(rates, self.accelerations, strict=True)])
+        return self._replace(state=State(when + time, angles, rates))
 
 
 class Repetitions:
@@ -46,7 +107,7 @@ class Repetitions:
         first_order: weights for results whose error is a polynomial in h.
         differences: weights of the error estimate, which is the extrapolated result minus the
             result extrapolated without the first repetition.
-        noise: rounding error of an extrapolated angle, rad.
+        noise: rounding error of an extrapolated angle, rad; it grows with every repetition.
     """
 
     def __init__(self, *counts: int, power: int = 1) -> None:
@@ -108,6 +169,8 @@ class Extrapolation:
 
     Attributes:
         noise: largest absolute error of an interval.
+        length: length proposed for the next interval.
+        table: numbers of steps of the last interval.
     """
 
     def __init__(
@@ -120,19 +183,11 @@ class Extrapolation:
     ) -> None:
         """Propose a first interval in which the links turn by about one radian."""
         self._given = repetitions
+        self.table = repetitions
         self.longest = longest
         self.damped_step = damped_step
         self.length = 1.5
         self.noise = max(tolerance * scale, repetitions.noise[3])
-        self._use(repetitions)
-
-    def _use(self, repetitions: Repetitions) -> None:
-        """Repeat intervals with the given numbers of steps from now on.
-
-        A repetition is left out if its rounding error would exceed the tolerance.
-        """
-        self.repetitions = repetitions
-        self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.noise)
 
     def propose(self, remaining: float) -> float:
         """Return the length of the next interval, shortened so that it divides the remaining time
@@ -145,93 +200,94 @@ class Extrapolation:
     ) -> IntervalResult:
         """Integrate over an interval; repeat it with finer steps until the error estimate is within
         the tolerance.
+
+        A repetition is left out if its rounding error would exceed the tolerance.
         """
         symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
         take = symmetric or scene.step
-        if (
-            table := EVEN if symmetric else HALVED if self.halves(scene, load) else self._given
-        ) is not self.repetitions:
-            self._use(table)
+        halved = load is None and symmetric is None
+        table = self.table = EVEN if symmetric else HALVED if halved else self._given
         known: dict[int, float] = {}
-        size = len(scene.links)
-        end = state.time + duration
-        halved = table is HALVED
+        links = len(scene.links)
         results: list[list[float]] = []
         halves: list[list[float]] = []
         error = math.inf
-        for row, count in enumerate(table.counts[: self.most_rows]):
+        failed = False
+        for row, count in enumerate(table.counts[: bisect(table.noise, self.noise)]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
             act = None if load is None else load.begin(step)
             if halved:
-                halves.append(take(step, count // 2, act)[: 2 * size])
+                halves.append(take(step, count // 2, act)[: 2 * links])
             values = take(step, count // 2 if halved else count, act)
+            results.append(values)
             if load is not None:
                 values += load.totals()
-                if load.fails(values[3 * size :]):
-                    return IntervalResult.of(scene, end, values, math.inf, True, known)
-            results.append(values)
+                failed = load.fails(values[3 * links :])
+                if failed:
+                    break
             if row + 1 >= table.least_rows:
                 columns = [*zip(*results, strict=True)]
                 differences = table.differences[row]
-                errors = [abs(sum(map(mul, differences, column))) for column in columns[: 2 * size]]
+                errors = [abs(sum(map(mul, differences, each))) for each in columns[: 2 * links]]
                 # With a NaN among them, the largest of numbers depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
                 if error <= self.noise and step <= self.damped_step:
                     if self.damped_step < math.inf:
                         error = min(max(error, LEAST_GAIN * known.get(row - 1, 0.0)), self.noise)
                     break
-        if error == math.inf:
-            # The engine turns a body at its old angle to the place that is set; a second placing is free of NaN.
-            scene.engine.place(None)
-        weights = table.weights[len(results) - 1]
-        others = table.first_order[len(results) - 1]
-        best = [sum(map(mul, weights, column)) for column in columns[: 2 * size]]
-        best += [sum(map(mul, others, column)) for column in columns[2 * size :]]
-        found = IntervalResult.of(scene, end, best, error, False, known)
-        if not halved:
-            return found
-        middle = [sum(map(mul, weights, column)) for column in zip(*halves, strict=True)]
-        return found._replace(middle=state_of(scene, state.time + 0.5 * duration, middle))
+        middle = None
+        if failed:
+            error = math.inf
+        else:
+            weights = table.weights[len(results) - 1]
+            others = table.first_order[len(results) - 1]
+            values = [sum(map(mul, weights, each)) for each in columns[: 2 * links]]
+            values += [sum(map(mul, others, each)) for each in columns[2 * links :]]
+            if error == math.inf:
+                # The engine turns a body at its old angle to the place that is set; a second placing is free of NaN.
+                scene.engine.place(None)
+            if halved:
+                best = [sum(map(mul, weights, each)) for each in zip(*halves, strict=True)]
+                middle = scene.state_at(state.time + 0.5 * duration, best)
+        return IntervalResult(
+            state=scene.state_at(state.time + duration, values),
+            accelerations=tuple(values[2 * links : 3 * links]),
+            totals=tuple(values[3 * links :]),
+            error=error,
+            failed=failed,
+            errors=known,
+            middle=middle,
+        )
 
     def accepts(self, result: IntervalResult, duration: float) -> bool:
         """Return whether a result's estimated error is within the tolerance, and set the length of
         the next interval from the error.
 
-        An accepted interval that was much shorter than proposed does not shorten the next proposal.
+        The length is chosen for the least cost per simulated time. The cost of each number of
+        repetitions follows from its error estimate in ``result``. An accepted interval that was
+        much shorter than proposed does not shorten the next proposal.
         """
-        proposed = self.length
-        self.length = self.next_length(result, duration)
-        accurate = result.error <= self.noise
-        if accurate and duration < CUT_SHORT * proposed:
-            self.length = max(self.length, proposed)
-        return accurate
-
-    def next_length(self, result: IntervalResult, duration: float) -> float:
-        """Return the length of the next interval, chosen for the least cost per simulated time.
-
-        The cost of each number of repetitions follows from its error estimate in ``result``.
-        """
-        costs = self.repetitions.costs
+        table = self.table
         limit = self.noise
         lengths = {}
         prices = {}
         for row, error in result.errors.items():
             least = error if error > 1e-3 * limit else 1e-3 * limit
-            change = 0.9 * (0.5 * limit / least) ** (1.0 / (self.repetitions.power * row + 1))
+            change = 0.9 * (0.5 * limit / least) ** (1.0 / (table.power * row + 1))
             length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
             lengths[row] = length = length if length < self.longest else self.longest
-            prices[row] = costs[row] / length
-        last = max(prices)
+            prices[row] = table.costs[row] / length
         best = min(prices, key=prices.__getitem__)
         length = lengths[best]
-        if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(
-            best - 1, math.inf
-        ):
+        more = best == max(prices) and best + 1 < bisect(table.noise, limit)
+        if more and prices[best] < 0.9 * prices.get(best - 1, math.inf):
             # Still getting cheaper: one more repetition, with the interval that would keep the price.
-            length *= costs[best + 1] / costs[best]
-        return length if result.error <= limit else min(length, 0.5 * duration)
-
-    def halves(self, scene: Scene, load: Load | None) -> bool:
-        """Return whether the integration of an interval also computes the state in its middle."""
-        return scene.engine.take_symmetric is None and load is None
+            length *= table.costs[best + 1] / table.costs[best]
+        accurate = result.error <= limit
+        if not accurate:
+            length = min(length, 0.5 * duration)
+        elif duration < CUT_SHORT * self.length:
+            length = max(length, self.length)
+        self.length = length
+        return accurate

@@ -1,5 +1,4 @@
-"""The location of events: find the instant within an interval of motion at which an event's value
-is zero.
+"""An interval of smooth motion, and the instant within it at which an event's value is zero.
 
 The instant is first estimated on the polynomial through the interval's states. The engine then
 repeats the interval over a shorter time, until the interval ends at the zero.
@@ -10,9 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, TURNS, Event
-from bristle_sim.scene.interval import Interval, IntervalResult, at_state
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, ROUNDED_TOLERANCES, TURNS, Event
+from bristle_sim.scene.extrapolation import IntervalResult
+from bristle_sim.scene.mechanism import Curve, State
 from bristle_sim.scene.system import LEAST_VALUE, System
 
 LOCATED_VALUE = 1e-3
@@ -42,86 +41,97 @@ estimated linearly in a longer interval."""
 EARLIEST_EXTREME = 0.01
 
 
-class Monitor:
-    """Follows the sign of an event's value along one smooth motion.
+# largest time after an interval's start, over (1 + time at its end), at which an event counts as at
+# the start; rounding error of the time
+ONE_INSTANT = 1e-15
+
+
+class Interval:
+    """An interval of smooth motion that has been integrated.
 
     Attributes:
-        event: the event.
-        noise: magnitude up to which a value has no sign.
-        sign: the last sign; None while it is unknown.
+        first: result at the start.
+        end: result at the end.
+        integrate_to: function that integrates from the start over a shorter time.
+        start: state at the start.
+        length: duration of the interval.
+        instant: longest time after the start that counts as at the start.
     """
 
-    def __init__(self, event: Event, system: System) -> None:
-        """Set the sign at the start of a smooth motion, so that a change in the first interval
-        counts as an event.
+    __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")
+
+    def __init__(
+        self,
+        first: IntervalResult,
+        end: IntervalResult,
+        integrate_to: Callable[[float], IntervalResult],
+    ) -> None:
+        self.first = first
+        self.end = end
+        self.integrate_to = integrate_to
+        self.start = first.state
+        self.length = end.state.time - first.state.time
+        self.instant = ONE_INSTANT * (1.0 + end.state.time)
+        self._curve: Curve | None = None
+
+    def at(self, time: float) -> State:
+        """Return the state at a time after the start, by polynomial interpolation.
+
+        The polynomial passes through the states at the start, at the end and, if the integrator has
+        computed it, in the middle.
         """
-        self.event = event
-        self.noise = system.noise if event.tolerance is None else math.ulp(1.0)
-        begins_positive = event.kind in BEGINS_POSITIVE
-        self.sign = 1.0 if begins_positive else None
-        self._last = at_state(system.state)
-        self._value = value = event.value(self._last)
-        if not (begins_positive and abs(value) <= ROUNDED_TOLERANCES * (event.tolerance or 0.0)):
-            self.sign = self.sign_of(value)
+        if time == 0.0:
+            return self.start
+        if time == self.length:
+            return self.end.state
+        if self._curve is None:
+            middle = () if self.end.middle is None else (self.end.middle,)
+            self._curve = Curve(self.start, *middle, self.end.state)
+        return self._curve(self.start.time + time)
 
-    def value(self, at: IntervalResult) -> float:
-        """Return the event's value at a result; a second call for the same result costs nothing."""
-        if at is not self._last:
-            self._value = self.event.value(at)
-            self._last = at
-        return self._value
-
-    def sign_of(self, value: float) -> float | None:
-        """Return the sign of a value; the last sign if the value is too small to have one."""
-        return math.copysign(1.0, value) if abs(value) > self.noise else self.sign
-
-    def follow(self, value: float) -> None:
-        """Update the sign with the value at an interval's end.
-
-        A change of sign that is an event is left to the next interval, which then begins with the
-        event.
+    def up_to(self, end: IntervalResult) -> Interval:
+        """Return the interval shortened to an earlier end; an end closer than ``instant`` to the
+        start becomes the start.
         """
-        sign = self.sign_of(value)
-        if self.sign in (None, sign) or self.event.direction == self.sign:
-            self.sign = sign
+        if end is self.end:
+            return self
+        at_start = end.state.time - self.start.time <= self.instant
+        return Interval(self.first, self.first if at_start else end, self.integrate_to)
 
 
 def first_change(
-    system: System, monitors: Sequence[Monitor], interval: Interval
-) -> tuple[Interval, Monitor | None]:
-    """Return the interval shortened to the first event that triggers, and this event's monitor;
-    without an event, the whole interval and None.
+    system: System, events: Sequence[Event], interval: Interval
+) -> tuple[Interval, Event | None]:
+    """Return the interval shortened to the first event that triggers, and this event; without an
+    event, the whole interval and None.
     """
     first = None
     longest = LONGEST_OF_A_FORCE * system.plan.time_scale
-    for monitor in monitors:
+    for event in events:
         if interval.length <= interval.instant:
             break
-        part = _to_the_extreme(monitor.event, interval) if monitor.event.kind in TURNS else interval
-        ends = _change(monitor, part) if part.length > part.instant else None
-        while ends is not None and monitor.event.kind in DIFFERENCES and part.length > longest:
+        part = _to_the_extreme(event, interval) if event.kind in TURNS else interval
+        ends = _change(event, part) if part.length > part.instant else None
+        while ends is not None and event.kind in DIFFERENCES and part.length > longest:
             # A force's zero is located in a short interval that begins before it.
             left, right = ends
             zero = part.length * left / (left - right)
             part = part.up_to(part.integrate_to(BEFORE_ZERO * zero))
-            ends = _change(monitor, part)
+            ends = _change(event, part)
             if ends is None:
                 interval = part
                 first = None
         if ends is not None:
-            interval = part.up_to(_zero(system, monitor, part, *ends))
-            first = monitor
+            interval = part.up_to(_zero(system, event, part, *ends))
+            first = event
     return interval, first
 
 
-def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
-    """Return the values at both ends of an interval if the monitor's event triggers in it;
-    otherwise None.
-    """
-    event = monitor.event
-    sign = monitor.sign
-    right = monitor.value(interval.end)
-    noise = monitor.noise
+def _change(event: Event, interval: Interval) -> tuple[float, float] | None:
+    """Return the values at both ends of an interval if the event triggers in it; otherwise None."""
+    sign = event.sign
+    right = event.at(interval.end)
+    noise = event.noise
     if event.kind in DIFFERENCES:
         noise = max(noise, RATE_ROUNDING / interval.length)
     if sign is None or not sign * right < -noise or event.direction == sign:
@@ -132,41 +142,34 @@ def _change(monitor: Monitor, interval: Interval) -> tuple[float, float] | None:
 
 
 def _zero(
-    system: System, monitor: Monitor, interval: Interval, left: float, right: float
+    system: System, event: Event, interval: Interval, left: float, right: float
 ) -> IntervalResult:
     """Return the result of the interval shortened to the zero of an event's value.
 
     ``left`` and ``right`` are the values at the interval's ends, which have opposite signs.
     """
     integrate_to = interval.integrate_to
-    instant = interval.instant
-    value = monitor.event.value
-    tolerance = monitor.event.tolerance
+    value = event.value
+    tolerance = event.tolerance
     begin = 0.0
-    if monitor.event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0:
+    if event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0:
         # The value rises from zero before it falls: the search begins where it is positive.
         time = interval.length
-        while begin == 0.0 and time > instant:
+        while begin == 0.0 and time > interval.instant:
             time *= 0.5
             if value(integrate_to(time)) > 0.0:
                 begin = time
     if tolerance is None:
         located = LOCATED_VALUE * min(system.plan.accuracy, 1e-4) * max(abs(left), abs(right))
         rounding = 0.1 * LEAST_VALUE
-        if monitor.event.kind in DIFFERENCES:
+        if event.kind in DIFFERENCES:
             rounding = 10.0 * RATE_ROUNDING / interval.length
         tolerance = max(located, rounding)
-
-    def of_state(state: State) -> float:
-        return value(at_state(state))
-
-    near = guess(of_state, interval, interval.length, begin)
-    if near is not None:
-        found = settle(system, of_state, interval, near, tolerance)
-        if found is not None:
-            return found
+    found = settle(system, value, interval, begin, interval.length, tolerance)
+    if found is not None:
+        return found
     ends = (begin, interval.length, left, right)
-    time = max(locate(lambda time: value(integrate_to(time)), *ends, tolerance, near), instant)
+    time = max(locate(lambda time: value(integrate_to(time)), *ends, tolerance), interval.instant)
     back = 1e-12
     while (result := integrate_to(time)).failed and back < 1.0:
         # In a step beyond the release the contact would pull; the last step before the release is
@@ -185,7 +188,7 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """
     sense = -float(event.direction)
     length = interval.length
-    results = [at_state(interval.at(part * length)) for part in (0.0, 0.25, 0.5, 0.75)]
+    results = [IntervalResult(interval.at(part * length)) for part in (0.0, 0.25, 0.5, 0.75)]
     values = [sense * event.value(result) for result in (*results, interval.end)]
     if math.isnan(sum(values)) or values[-1] < 0.0:
         return interval
@@ -205,9 +208,6 @@ MOST_GUESSES = 4
 """Largest number of guesses for one event. One or two locate an event to rounding error."""
 
 MOST_SECANTS = 3  # largest number of secant steps from one guess
-ROUNDED_TOLERANCES = 10.0
-"""Largest value accepted at the last guess, over the tolerance: rounding error may keep all guesses
-outside the tolerance."""
 
 SLOPE_SPAN = 1e-4  # fraction of an interval over which the slope for the first secant step is taken
 # relative tolerance of a root of the interpolating polynomial, which is hardly more accurate
@@ -221,35 +221,49 @@ error of this root then change the rates by a tenth of the permitted error."""
 
 def settle(
     system: System,
-    value: Callable[[State], float],
+    value: Callable[[IntervalResult], float],
     interval: Interval,
-    near: float,
+    first: float,
+    last: float,
     tolerance: float,
 ) -> IntervalResult | None:
     """Return the result at the time within an interval at which a function of the state is zero.
 
-    Each guess of the time is followed by secant steps along the motion that the accelerations at
-    the guess predict. None is returned if the guesses do not converge.
+    The first guess of the time is the zero on the interval's interpolating polynomial. Each guess
+    is followed by secant steps along the motion that the accelerations at the guess predict. None
+    is returned if the function does not change sign, if it needs the contact forces, or if the
+    guesses do not converge.
 
     Args:
         system: the run.
-        value: function of the state.
+        value: the function.
         interval: the interval.
-        near: first guess of the time.
+        first: time from which the zero is searched.
+        last: time up to which the zero is searched.
         tolerance: largest magnitude of the function that counts as zero.
     """
+
+    def on_polynomial(time: float) -> float:
+        return value(IntervalResult(interval.at(time)))
+
+    left = on_polynomial(first)
+    right = on_polynomial(last)
+    if not left * right < 0.0:  # NaN where the state does not determine the function
+        return None
+    rounding = GUESS_TOLERANCE * max(abs(left), abs(right))
+    near = locate(on_polynomial, first, last, left, right, rounding)
     longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
     for trial in range(MOST_GUESSES):
         reached = interval.integrate_to(near)
-        found = value(reached.state)
+        found = value(reached)
         allowed = ROUNDED_TOLERANCES if trial == MOST_GUESSES - 1 else 1.0
         if abs(found) <= allowed * tolerance:
             return reached
         moved = span
         before = 0.0
         at_before = found
-        at_moved = value(reached.moved(span).state)
+        at_moved = value(reached.moved(span))
         for _ in range(MOST_SECANTS):
             if at_moved == at_before or not abs(at_moved) > tolerance:
                 break
@@ -257,30 +271,13 @@ def settle(
             before = moved
             at_before = at_moved
             moved = secant
-            at_moved = value(reached.moved(moved).state)
+            at_moved = value(reached.moved(moved))
         near += moved
         if not (0.0 < near <= interval.length and abs(at_moved) < abs(found)):
             return None
         if abs(moved) <= longest and abs(at_moved) <= tolerance and not reached.totals:
             return reached.moved(moved)
     return None
-
-
-def guess(
-    value: Callable[[State], float], interval: Interval, last: float, first: float = 0.0
-) -> float | None:
-    """Return the time between ``first`` and ``last`` at which a function of the state is zero on
-    the interval's interpolating polynomial.
-
-    Return None if the function does not change sign. The function may be NaN where the state does
-    not determine it.
-    """
-    left = value(interval.at(first) if first else interval.start)
-    right = value(interval.end.state if last == interval.length else interval.at(last))
-    if not left * right < 0.0:
-        return None
-    tolerance = GUESS_TOLERANCE * max(abs(left), abs(right))
-    return locate(lambda time: value(interval.at(time)), first, last, left, right, tolerance)
 
 
 # shortest bracket, as a time in engine units and as a fraction of the searched interval; the smaller
@@ -307,14 +304,12 @@ def locate(
     at_left: float,
     at_right: float,
     tolerance: float,
-    guess: float | None = None,
 ) -> float:
     """Return the root of a function between two times at which it has opposite signs, by false
     position with the weights of Anderson and Bjorck.
 
     At the returned time the magnitude of the function is at most ``tolerance``, or this time is the
-    later end of the shortest bracket of the root. The first evaluation is at ``guess``; without a
-    guess it is at the root of a straight line. After ``MOST_LINES`` evaluations, as at a jump, the
+    later end of the shortest bracket of the root. After ``MOST_LINES`` evaluations, as at a jump, the
     bracket is bisected.
 
     N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264.
@@ -325,15 +320,13 @@ def locate(
     last, other = right, left
     at_last, at_other = at_right, at_left
     instant = min(SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION * (right - left))
-    trial = guess
     least = LEAST_PART_AT_FIRST
     for count in range(MOST_TRIALS):
         if abs(other - last) <= 4e-16 * max(other, last) + instant:
             break
-        if trial is None:
-            part = min(max(at_last / (at_last - at_other), least), 1.0 - least)
-            trial = last + part * (other - last)
-            least = LEAST_PART
+        part = min(max(at_last / (at_last - at_other), least), 1.0 - least)
+        trial = last + part * (other - last)
+        least = LEAST_PART
         if count >= MOST_LINES or not min(last, other) < trial < max(last, other):
             trial = 0.5 * (last + other)
         found = value(trial)
@@ -346,5 +339,4 @@ def locate(
             at_other = at_last
         last = trial
         at_last = found
-        trial = None
     return max(last, other)

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 from bristle_sim.scene.compliant import follow_bodies
-from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.events import Happening, Kind
+from bristle_sim.scene.contact import ActiveContact, sums_of
+from bristle_sim.scene.events import Event, Happening, Kind
+from bristle_sim.scene.extrapolation import IntervalResult, Load
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.interval import Interval, IntervalResult, Load, at_state, sums_of
-from bristle_sim.scene.locate import Monitor, first_change
+from bristle_sim.scene.locate import Interval, first_change
+from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
@@ -61,7 +63,7 @@ class Motion:
         limit: longest next interval, in engine time units; it is short where a contact may end as
             soon as it begins.
         before: result at the end of the last interval; None in the first interval.
-        monitors: sign monitors of the motion's events, contact events first.
+        events: events that may end the motion, contact events first.
     """
 
     contacts: tuple[ActiveContact, ...] = ()
@@ -70,7 +72,7 @@ class Motion:
     load: Load | None = None
     limit: float = math.inf
     before: IntervalResult | None = None
-    monitors: tuple[Monitor, ...] = ()
+    events: tuple[Event, ...] = ()
 
     @property
     def ordered(self) -> list[ActiveContact]:
@@ -83,6 +85,52 @@ class Motion:
         return (
             (contact, contact.spring) for contact in self.contacts if contact.spring is not None
         )
+
+
+def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
+    """Yield the events of the motion as a whole: largest retraction, highest speed, retraction
+    limit, and the tip's exit from a dent.
+    """
+    mechanism = system.mechanism
+    hub_speed = mechanism.hub_speed
+    effects = system.scene.effects
+    plan = system.plan
+
+    def relative_rate(link: int, at: IntervalResult) -> float:
+        return at.state.rates[link] - hub_speed
+
+    def acceleration(link: int, at: IntervalResult) -> float:
+        """Return the acceleration of a rigid bristle in flight, by its equation of motion."""
+        time, angles, rates = at.state
+        pose = mechanism.poses(at.state)[link]
+        arm = pose.centre - pose.joint
+        moment = (effects.stiffness or 0.0) * (mechanism.root_angle(link, time) - angles[link])
+        moment += effects.damping * (hub_speed - rates[link])
+        carried = hub_speed**2 * cross(arm, pose.joint) - effects.gravity * arm.real
+        own = mechanism.links[link]
+        return (moment + own.mass * carried) / own.inertia_about_joint
+
+    def left(link: int, at: IntervalResult) -> float:
+        """Return the angle by which a wire's first link may still turn before it lies on the hub,
+        rad.
+        """
+        turned = at.state.angles[link] - mechanism.root_angle(link, at.state.time)
+        return plan.retraction_limit - abs(turned)
+
+    def gap(pair: ContactPair, at: IntervalResult) -> float:
+        return system.gaps.gap(pair, at.state)
+
+    for wire in range(mechanism.wires):
+        link = wire * mechanism.wire_links
+        if not plan.single_contact:
+            yield Event(Kind.LARGEST_RETRACTION, wire, partial(relative_rate, link), 1)
+            if not in_contact and mechanism.wire_links == 1:  # a wire of several links vibrates
+                yield Event(Kind.HIGHEST_SPEED, wire, partial(acceleration, link))
+        if math.isfinite(plan.retraction_limit):
+            yield Event(Kind.RETRACTION_LIMIT, wire, partial(left, link))
+    for number, pair in enumerate(system.pairs):
+        if pair.dent:
+            yield Event(Kind.DENT_LEFT, number, partial(gap, replace(pair, dent=0.0)), 1)
 
 
 def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happening | None]:
@@ -119,7 +167,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
         if gone:
             return None, _approach_release(system, motion, motion.rigid, result, length)
     if system.stepper.accepts(result, length):
-        before = (motion.before or at_state(start))._replace(state=start)
+        before = (motion.before or IntervalResult(start))._replace(state=start)
         return Interval(before, result, integrate_to), None
     durations = [SHORTEST_CONTACT_INTERVAL * spring.duration for _, spring in motion.springs]
     if length < min(durations, default=SHORTEST_INTERVAL):
@@ -181,19 +229,19 @@ def up_to_first_event(
     """
     # Events of contacts come first: a contact that slides onto the neighbouring link is not a new
     # touch of that link.
-    changed, triggered = first_change(system, motion.monitors, interval)
+    changed, triggered = first_change(system, motion.events, interval)
     active = [contact.pair for contact in motion.contacts]
     interval, touch = first_touch_of_all(system, changed, active, motion.separating)
     if interval is not changed:
         triggered = None
-    for monitor in motion.monitors:
-        if monitor is triggered:
-            monitor.sign = -(monitor.sign or 0.0)
+    for event in motion.events:
+        if event is triggered:
+            event.sign = -(event.sign or 0.0)
         else:
-            monitor.follow(monitor.value(interval.end))
+            event.follow(interval.end)
     if triggered is None:
         return interval, touch
-    return interval, Happening(triggered.event.kind, triggered.event.subject)
+    return interval, Happening(triggered.kind, triggered.subject)
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:
@@ -272,7 +320,8 @@ def _proposed(system: System, motion: Motion) -> float:
     plan = system.plan
     stepper = system.stepper
     left = plan.end - system.state.time
-    samples = 2.0 if stepper.halves(system.scene, motion.load) else 1.0
+    # A flight of rigid bristles is sampled in the middle of its intervals too.
+    samples = 2.0 if motion.load is None and system.mechanism.wire_links == 1 else 1.0
     longest = min(
         samples * plan.longest_interval,
         plan.damped_interval,

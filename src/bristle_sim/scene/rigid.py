@@ -13,6 +13,7 @@ from operator import mul
 import numpy as np
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact import NUMBERS, sums_of
 from bristle_sim.scene.gaps import (
     MOMENT,
     Gaps,
@@ -21,7 +22,6 @@ from bristle_sim.scene.gaps import (
     slip_acceleration,
     turned_back,
 )
-from bristle_sim.scene.interval import NUMBERS, sums_of
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 from bristle_sim.scene.compliant import ContactLoad, follow_bodies
-from bristle_sim.scene.contact import ActiveContact, Outcome
+from bristle_sim.scene.contact import ActiveContact, Outcome, Sums, sums_of
 from bristle_sim.scene.events import Kind
-from bristle_sim.scene.interval import IntervalResult, Sums, sums_of
+from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import Spring, SpringPhase

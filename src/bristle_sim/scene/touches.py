@@ -8,12 +8,11 @@ touch.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 
 from bristle_sim.scene.events import Happening, Kind
+from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.interval import Interval
-from bristle_sim.scene.locate import guess, locate, settle
+from bristle_sim.scene.locate import Interval, locate, settle
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.system import System
@@ -73,18 +72,23 @@ def first_touch_of_all(
     """
     first: Happening | None = None
     several = system.mechanism.wire_links > 1
+    # A released pair is searched from this time on if its gap has opened by then.
+    soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
     for pair in system.pairs:
         if pair in sustained or interval.length <= 0.0:
             continue
-        end = interval.end.state
         if pair in separating:
-            soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
-            if _has_opened(system, interval, pair, soon):
+            opened = False
+            if interval.length > soon:
+                touch = system.gaps.closest(pair, interval.at(soon))
+                clear = touch.gap > GAP_ROUNDING + _error(system, interval)
+                opened = clear and touch.velocity[0] > 0.0
+            if opened:
                 found = find_touch(system, interval, pair, soon / interval.length)
             else:
                 found = _search_hop(system, interval, pair, soon)
         elif (sustained and _rests(system, interval, pair)) or (
-            several and system.behind_joint(pair, [*separating, *sustained], end)
+            several and system.behind_joint(pair, [*separating, *sustained], interval.end.state)
         ):
             continue
         else:
@@ -96,22 +100,8 @@ def first_touch_of_all(
 
 def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
     """Return whether a pair's gap is closed and stays closed during the interval."""
-    start = interval.start
-    end = interval.end.state
-    gap = system.gaps.gap
-    return abs(gap(pair, start)) <= GAP_ROUNDING and all(
-        abs(gap(pair, state)) <= GAP_ROUNDING for state in (interval.at(0.5 * interval.length), end)
-    )
-
-
-def _has_opened(system: System, interval: Interval, pair: ContactPair, soon: float) -> bool:
-    """Return whether the gap of a pair that has just been released is open, and still opening, at
-    the time ``soon`` within the interval.
-    """
-    if interval.length <= soon:
-        return False
-    touch = system.gaps.closest(pair, interval.at(soon))
-    return touch.gap > GAP_ROUNDING + _error(system, interval) and touch.velocity[0] > 0.0
+    times = (0.0, 0.5 * interval.length, interval.length)
+    return all(abs(system.gaps.gap(pair, interval.at(time))) <= GAP_ROUNDING for time in times)
 
 
 def _search_hop(
@@ -129,17 +119,17 @@ def _search_hop(
     if shortened:
         interval = interval.up_to(integrate_to(longest))
     length = interval.length
-    instant = system.plan.instant
+    instant = min(system.plan.instant, length)
     touch = gaps.closest(pair, interval.end.state)
-    gap = touch.gap
-    if gap >= -GAP_ROUNDING or touch.velocity[0] >= 0.0:
+    if touch.gap >= -GAP_ROUNDING or touch.velocity[0] >= 0.0:
         return (interval, None) if shortened else None
 
-    def gap_at(time: float) -> float:
-        return gaps.gap(pair, interval.at(time))
+    def gap_at(at: IntervalResult) -> float:
+        return gaps.gap(pair, at.state)
 
-    if instant < length and (gap := gap_at(instant)) <= 0.0:
-        gap = gaps.gap(pair, integrate_to(instant).state)
+    gap = gaps.gap(pair, interval.at(instant))
+    if gap <= 0.0 and instant < length:
+        gap = gap_at(integrate_to(instant))
     # A small rebound of a single rigid link has no effect. Of several links, one may rebound while
     # another is pressed on.
     low = (
@@ -147,26 +137,22 @@ def _search_hop(
         and system.law_of(pair).instantaneous
         and -system.plan.accuracy <= gap < 0.0
     )
-    if low or gaps.gap(pair, interval.start) < -GAP_ROUNDING:
-        return (
-            interval if instant >= length else interval.up_to(integrate_to(instant))
-        ), Happening(Kind.REST, pair)
+    if low or gap_at(interval.first) < -GAP_ROUNDING:
+        end = interval.end if instant == length else integrate_to(instant)
+        return interval.up_to(end), Happening(Kind.REST, pair)
     time = length
     shortest = LEAST_HOP * length
-    while time > shortest and (above := gap_at(time)) < -GAP_ROUNDING:
+    while time > shortest and (above := gaps.gap(pair, interval.at(time))) < -GAP_ROUNDING:
         time = 0.5 * time
-        below = above
     if time < length and above > 0.0:
-        near = locate(gap_at, time, 2.0 * time, above, below, GAP_TOLERANCE)
-        closed = settle(system, partial(gaps.gap, pair), interval, near, GAP_TOLERANCE)
+        closed = settle(system, gap_at, interval, time, 2.0 * time, GAP_TOLERANCE)
         # A zero at the interval's start is no touch.
         if closed is not None and gaps.closest(pair, closed.state).velocity[0] < 0.0:
             return interval.up_to(closed), Happening(Kind.TOUCH, pair)
-    while (gap := gaps.gap(pair, integrate_to(time).state)) < -GAP_ROUNDING and time > shortest:
+    while (gap := gap_at(integrate_to(time))) < -GAP_ROUNDING and time > shortest:
         time *= 0.5
-    return interval.up_to(integrate_to(time)), None if gap > GAP_ROUNDING else Happening(
-        Kind.REST, pair
-    )
+    rest = None if gap > GAP_ROUNDING else Happening(Kind.REST, pair)
+    return interval.up_to(integrate_to(time)), rest
 
 
 def find_touch(
@@ -181,20 +167,24 @@ def find_touch(
     gaps = system.gaps
     integrate_to = interval.integrate_to
     length = interval.length
-    gap_of = partial(gaps.gap, pair)
-    closest = partial(gaps.closest, pair)
+
+    def closest(state: State) -> ClosestApproach:
+        return gaps.closest(pair, state)
+
+    def gap_at(at: IntervalResult) -> float:
+        return gaps.gap(pair, at.state)
+
     fraction = first_touch(gaps.mechanism, closest, interval, _error(system, interval), begin)
     if fraction is None:
         return None
+    first = begin * length
     last = fraction * length
-    near = guess(gap_of, interval, last, begin * length)
     tolerance = min(max(LOCATED_GAP * system.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
-    closed = None if near is None else settle(system, gap_of, interval, near, tolerance)
+    closed = settle(system, gap_at, interval, first, last, tolerance)
     if closed is not None and closest(closed.state).velocity[0] <= 0.0:
         # If the gap were opening at this zero, there would be an earlier zero.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     reached = interval.end if fraction == 1.0 else integrate_to(last)
-    begin = begin * length
     touch = closest(reached.state)
     at_end = touch.gap
     if at_end > 0.0 and touch.velocity[0] > 0.0:
@@ -205,20 +195,14 @@ def find_touch(
             return gap > fastest * span or max(1.0, fastest) * span <= SHORTEST_INTERVAL
 
         last, at_end = _least(
-            lambda span: closest(integrate_to(span).state), begin, last, at_end, at_instant
+            lambda time: closest(integrate_to(time).state), first, last, at_end, at_instant
         )
     if at_end > 0.0:
         return interval.up_to(reached), None
     if at_end < 0.0:
-        at_start = max(gap_of(interval.at(begin) if begin else interval.start), 1e-300)
+        at_start = max(gaps.gap(pair, interval.at(first)), 1e-300)
         last = locate(
-            lambda span: gap_of(integrate_to(span).state),
-            begin,
-            last,
-            at_start,
-            at_end,
-            GAP_TOLERANCE,
-            near,
+            lambda time: gap_at(integrate_to(time)), first, last, at_start, at_end, GAP_TOLERANCE
         )
     return interval.up_to(integrate_to(last)), Happening(Kind.TOUCH, pair)
 
@@ -257,25 +241,23 @@ def first_touch(
         begin: fraction of the interval at which the search begins.
     """
     length = interval.length
-    end = interval.end
     margin = interpolation_error
-    bound = (
-        1.5 * max(mechanism.speed_bound(interval.start), mechanism.speed_bound(end.state)) * length
-    )
+    ends = (interval.start, interval.end.state)
+    bound = 1.5 * max(map(mechanism.speed_bound, ends)) * length
     fraction = begin
-    touch = closest(interval.at(begin * length) if begin else interval.start)
+    touch = closest(interval.at(begin * length))
     while fraction < 1.0 and touch.gap <= bound * (1.0 - fraction) + margin:
         ahead = min(1.0, fraction + max(touch.gap / bound if bound else 1.0, LEAST_ADVANCE))
-        following = closest(interval.at(ahead * length) if ahead < 1.0 else end.state)
+        following = closest(interval.at(ahead * length))
         if following.gap < 0.0:
             return ahead
         if touch.velocity[0] < 0.0 < following.velocity[0]:
-
-            def at(part: float) -> ClosestApproach:
-                return closest(interval.at(part * length))
-
             dip, least = _least(
-                at, fraction, ahead, following.gap, lambda span, _: span < 2.0**-MOST_HALVINGS
+                lambda part: closest(interval.at(part * length)),
+                fraction,
+                ahead,
+                following.gap,
+                lambda span, _: span < 2.0**-MOST_HALVINGS,
             )
             near = least < margin * min(1.0, NEAR_START * dip**2)
             if least < 0.0 or (near and dip * max(length, bound) > SHORTEST_ADVANCE):
