@@ -177,6 +177,34 @@ def test_what_happens_between_two_samples_is_found(values: dict[str, float]):
         assert many.contact_time == pytest.approx(strike.time, rel=1e-7)
 
 
+def thin_bars(count: int, seed: int, bar_seed: int) -> dict[str, Array]:
+    """Random tools with bars of 10 um to 5 mm and wires of 10 um to 1 mm."""
+    rng = np.random.default_rng(bar_seed)
+    return random_tools(count, seed) | {
+        "bar_radius": 10.0 ** rng.uniform(-5.0, -2.3, count),
+        "wire_diameter": 10.0 ** rng.uniform(-5.0, -3.0, count),
+    }
+
+
+@pytest.mark.parametrize("number", [3158, 3012])
+def test_a_wire_leaves_a_thin_bar_just_before_it_points_at_the_bars_centre(number: int):
+    """Its rate grows without bound there. The wire leaves at 1e-3 of a segment before, and its release is ill-conditioned."""
+    values = {key: float(each[number]) for key, each in thin_bars(12000, 73, 3).items()}
+    many = bs.ensemble(**values)
+    tool = bs.Tool().replace(**values)
+    run = bs.simulate(tool, bs.Settings(accuracy=1e-9), stop_after="strike")
+    expected = measured(tool, run)
+    for name in ("lag_at_contact", "contact_time"):
+        assert getattr(many, name) == pytest.approx(expected[name][0], rel=1e-6, abs=1e-6)
+
+
+def test_the_strike_of_a_very_light_wire_is_located_to_rounding():
+    """The period of a wire of 10 um is a thousandth of a radian of the hub; two accuracies find one lag."""
+    values = {key: float(each[11927]) for key, each in thin_bars(12000, 73, 3).items()}
+    coarse, fine = (bs.ensemble(accuracy=accuracy, **values) for accuracy in (1e-8, 1e-10))
+    assert coarse.lag_at_contact == pytest.approx(float(fine.lag_at_contact), abs=1e-9)
+
+
 def test_random_tools_against_the_independent_solution():
     assert faults(3, 5, 1e-8, reference=True)[0] == []
 

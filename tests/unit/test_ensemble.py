@@ -10,6 +10,7 @@ import pytest
 
 import bristle_sim as bs
 from bristle_sim.passes import ensemble as entry
+from bristle_sim.passes.crossing import root
 from bristle_sim.passes.motion import course_of, free_acceleration, step_length
 from bristle_sim.passes.request import passes_of, request_of
 from bristle_sim.passes.result import QUANTITIES
@@ -81,6 +82,25 @@ def test_the_series_solves_the_equation_of_motion(gravity: float):
     rate, found = course.turning_at(step)
     expected = free_acceleration(passes, passes.hub_angle + step, angle, rate)
     np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
+@pytest.mark.parametrize("slopes", [True, False])
+@pytest.mark.parametrize("width", [1.0, 1e-6])
+def test_a_root_beside_a_singularity_is_found(width: float, slopes: bool):
+    """1 - a/(w - x)^(3/2) is almost constant up to its root, whose distance from the end w is a^(2/3).
+
+    The error is the last step's product with its secant, 1e-14 w^2, over that distance, at least 1e-6 w.
+    """
+    a = np.array([1e-9, 1e-3]) * width**1.5
+
+    def function(x: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        value = 1.0 - a * (width - x) ** -1.5
+        return value, -1.5 * a * (width - x) ** -2.5 if slopes else None
+
+    low = np.zeros(2)
+    high = np.full(2, width * (1.0 - 1e-12))
+    found = root(lambda _: function, (low, high), function(high)[0], low + 1e-15 * width)
+    np.testing.assert_allclose(width - found, a ** (2.0 / 3.0), rtol=0.0, atol=1e-8 * width)
 
 
 def test_friction_locks_a_wire_on_the_bar():

@@ -227,7 +227,9 @@ def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array
     rest = 1.0 - passes.reach**2
     distance = np.sqrt(square)
     cosine = 0.5 * (square + rest) / distance
-    sine = np.sqrt(np.maximum((1.0 - cosine) * (1.0 + cosine), LEAST_SQUARE))
+    # not from the cosine, whose rounding error is large beside a small angle
+    product = (passes.reach**2 - (distance - 1.0) ** 2) * ((distance + 1.0) ** 2 - passes.reach**2)
+    sine = 0.5 * np.sqrt(np.maximum(product, LEAST_SQUARE)) / distance
     slope = 0.25 * (square - rest) / (square * distance)
     bend = 0.125 * (3.0 * rest - square) / (square**2 * distance)
     eta_1 = -slope * square_1 / sine

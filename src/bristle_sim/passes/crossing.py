@@ -13,15 +13,14 @@ from bristle_sim.passes.state import Chosen
 
 MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
 
-HALVING = 8
-"""Every eighth evaluation is at the middle of the bracket, as steps may creep along the bracket."""
+LAST_ERROR = 1e-14
+"""Largest product of the last step and the secant before it, over the square of the bracket's width.
 
-LAST_STEP = 1e-7
-"""Length of the last Newton step, rad: the remaining error is about its square, which is below
-rounding error."""
+The error that remains is about this product over the bracket's width, as the function is smooth
+over the bracket."""
 
-LAST_SECANT = 1e-4
-"""Longest secant, rad, that may give the last step.
+LAST_MOVE = 1e-3
+"""Longest last step, and longest secant before it, over the bracket's width.
 
 The value at the end of a longer secant may be so large that the step is tiny far from the root."""
 
@@ -42,7 +41,8 @@ def root(
 ) -> Array:
     """Return a root in each bracket.
 
-    A step that would leave its bracket is replaced by a halving of the bracket.
+    A step that would leave its bracket, or that is longer than half the step before the last, is
+    replaced by a halving of the bracket. The number of evaluations is therefore bounded.
 
     Args:
         function_of: function that takes the indices of some brackets, and returns the function
@@ -56,38 +56,45 @@ def root(
     going = np.ones(start.size, dtype=bool)
     numbers = np.arange(found.size)
     low, high = ends
+    width = high - low
     last, last_value = high, high_value
     rises = last_value > 0.0
     place = start
+    step = np.zeros(found.size)
+    moved = before = width
     function = function_of(numbers)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for count in range(1, MOST_EVALUATIONS):
-            outside = ~((place > low) & (place < high))
-            if count % HALVING == 0:
-                outside[:] = True
-            place = np.where(outside, 0.5 * (low + high), place)
+        for _ in range(MOST_EVALUATIONS):
+            inside = (place > low) & (place < high) & (np.abs(step) <= 0.5 * before)
+            place = np.where(inside, place, 0.5 * (low + high))
+            before, moved = moved, np.abs(place - last)
             value, slope = function(place)
-            secant = np.full(place.size, LAST_STEP)
             if slope is None:
-                secant = np.abs(place - last)
                 slope = (value - last_value) / (place - last)
-                last, last_value = place, value
+                step = value / slope
+                secant = moved
+            else:
+                step = value / slope
+                secant = np.abs(step)
+            last, last_value = place, value
             above = (value > 0.0) == rises
             low = np.where(above, low, place)
             high = np.where(above, place, high)
-            step = value / slope
             place = place - step
             found[numbers[going]] = np.clip(place, low, high)[going]
-            # the error of a secant's step is the product of step and secant
-            close = (np.abs(step) * secant < LAST_STEP**2) & (secant < LAST_SECANT)
+            move = np.abs(step)
+            close = (move * secant < LAST_ERROR * width**2) & (
+                np.maximum(move, secant) < LAST_MOVE * width
+            )
             going &= ~close & (high - low > 2.0 * ROOT_ROUNDING) & (value != 0.0)
             left = np.count_nonzero(going)
             if not left:
                 break
             if 2 * left < numbers.size:
                 numbers, rises = numbers[going], rises[going]
-                place, low, high, last, last_value = (
-                    each[going] for each in (place, low, high, last, last_value)
+                place, low, high, last, last_value, width, step, moved, before = (
+                    each[going]
+                    for each in (place, low, high, last, last_value, width, step, moved, before)
                 )
                 going = going[going]
                 function = function_of(numbers)
