@@ -146,18 +146,16 @@ def cue_timing(
     }
     if tool.belt.stiffness not in readings.values():
         readings = {"own": tool.belt.stiffness, **readings}
-    timings = dict[str, CueTiming]()
+    bar = bar or tool.bar or Bar()
+    timings = {}
     for reading, stiffness in readings.items():
         read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
-        timings[reading] = _timed(
-            read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference
-        )
+        timings[reading] = _timed(read, retraction, settings, bar, with_reference)
     own = next(each for each in timings.values() if each.tool == tool)
-    whole = Tool()
-    same = (tool.hub, tool.bristle, tool.workpart) == (whole.hub, whole.bristle, whole.workpart)
-    as_printed = same and tool.belt == whole.belt and retraction == RETRACTION_AT_RELEASE
-    printed = dict(zip((*QUANTITIES,)[2:], printed_cue().values(), strict=True))
-    quantities = _rows(own, settings, printed if as_printed else {})
+    printed: Values = {}
+    if tool == Tool(bar=tool.bar) and retraction == RETRACTION_AT_RELEASE:
+        printed = dict(zip((*QUANTITIES,)[2:], printed_cue().values(), strict=True))
+    quantities = _rows(own, settings, printed)
     passes = [row for each in timings.values() for row in each.passes]
     return Report(
         quantities=quantities,
@@ -211,51 +209,48 @@ def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
 
 
 def _timed(
-    tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool
+    tool: Tool, retraction: float, settings: Settings, bar: Bar, with_reference: bool
 ) -> CueTiming:
     """Simulate the release, and whole passes with the bar at the cue of the release and at the
     bar's own position.
     """
-    if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: must both be parts of the tool")
     start: dict[str, Any] = {
         "start_relative_angle": -retraction,
         "stop_after": "highest relative speed",
     }
+    formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     # An overdamped release lasts a small fraction of the period to which the number of samples
     # refers.
-    samples = math.ceil(
-        settings.samples * min(max(1.0, 2.0 * bare.belt.damping_ratio), MOST_DAMPED)
-    )
+    denser = min(max(1.0, 2.0 * bare.belt.damping_ratio), MOST_DAMPED)
     turning = dataclasses.replace(
-        settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples
+        settings,
+        hub_turn=FULL_TURNS * 2.0 * math.pi,
+        samples_per_period=math.ceil(settings.samples * denser),
     )
     run = simulate(bare, turning, **start)
     require_result(run, settings)
-    estimate = run.cost.error_estimate
-    if estimate is not None and estimate > _tolerance(settings):
+    estimate = run.cost.error_estimate or 0.0
+    if estimate > _tolerance(settings):
         raise ValueError(
             f"accuracy = {settings.accuracy:g}: must be at least {0.1 * estimate:.2g} for this release, as over"
             f" {math.degrees(bare.hub.speed * run.time[-1]):.3g} deg of hub turn its error grows to {estimate:.2g}"
             " (dimensionless)"
         )
     found = _cue(tool, retraction, run)
-    referred = None
+    reference = None
     places = [(bar.horizontal, bar.vertical)]
     if found is not None:
         places.insert(0, (found.bar_horizontal, found.bar_vertical))
         if with_reference:
             from bristle_sim.reference import simulate_reference
 
-            reference = simulate_reference(
-                bare, accuracy=1e-10, duration=2.0 * found.cue_time, **start
-            )
-            referred = _cue(tool, retraction, reference)
-    formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
+            longest = 2.0 * found.cue_time
+            solved = simulate_reference(bare, accuracy=1e-10, duration=longest, **start)
+            reference = _cue(tool, retraction, solved)
     bars = (dataclasses.replace(bar, horizontal=x, vertical=y) for x, y in places)
     passes = tuple(full_pass(tool, each, settings) for each in bars)
-    return CueTiming(tool, retraction, run, found, formula, referred, bar, passes)
+    return CueTiming(tool, retraction, run, found, formula, reference, bar, passes)
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:

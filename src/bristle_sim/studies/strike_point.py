@@ -4,7 +4,6 @@ sweep.
 
 import dataclasses
 import math
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -67,7 +66,9 @@ def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, 
     and ``failure`` has the reason.
     """
     if unable(tool):
-        return _strikes_by_scene(settings, tool, values)
+        found = evaluate_in_turn(partial(strike_of_keys, settings, tool), values)
+        unknown = np.full(found[FAILURE].shape, math.nan)
+        return {**dict.fromkeys(STRIKE_UNITS, unknown), **found}
     found = pass_quantities(tool, settings, **values)
     cued = found["release_time"] < found["contact_time"]
     found["crater_depth"] = crater_depth(
@@ -78,19 +79,9 @@ def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, 
     )
     measures = {name: np.where(cued, found[name], math.nan) for name in STRIKE_UNITS}
     struck = np.isfinite(found["contact_time"])
-    reason = np.where(struck, NOT_CUED, found[OUTCOME].astype(object) + ": " + found[REASON])
+    not_cued = "the bristle must touch the bar, and leave it, before it strikes the workpart"
+    reason = np.where(struck, not_cued, found[OUTCOME].astype(object) + ": " + found[REASON])
     return measures | {REASON: np.where(cued, "", reason)}
-
-
-NOT_CUED = "the bristle must touch the bar, and leave it, before it strikes the workpart"
-
-
-def _strikes_by_scene(
-    settings: Settings, tool: Tool, values: Mapping[str, Any]
-) -> dict[str, NDArray[Any]]:
-    found = evaluate_in_turn(partial(strike_of_keys, settings, tool), values)
-    unknown = np.full(found[FAILURE].shape, math.nan)
-    return {**dict.fromkeys(STRIKE_UNITS, unknown), **found}
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
@@ -100,13 +91,13 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
     """
     direction = math.degrees(math.atan2(bar.horizontal, bar.vertical))
     row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": direction}
-    row |= {"lag_deg_at_contact": None, "relative_speed_at_contact": None}
+    names = ("lag_deg_at_contact", "relative_speed_at_contact")
     try:
         turning = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
         found = strike_of_keys(turning, dataclasses.replace(tool, bar=bar))
     except ValueError as error:
-        return row | {"no_strike": str(error)}
-    return row | {name: each for name, each in found.items() if name in row}
+        return row | dict.fromkeys(names) | {"no_strike": str(error)}
+    return row | {name: found[name] for name in names}
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
