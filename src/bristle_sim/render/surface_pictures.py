@@ -98,7 +98,7 @@ def _show_ground(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage:
 
 def _draw_map(axes: Axes, made: BlastedSurface) -> None:
     norm = _colours(made.heights)
-    ground = made.ground()
+    ground = Ground(made.body, made.blasting)
     ground.heights = made.heights
     _show_ground(axes, made, _lit(ground, norm))
     scale = add_colour_bar(axes, ScalarMappable(norm, MAP), "min")
@@ -110,7 +110,7 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
 
     The highest and lowest points of each section length are marked.
     """
-    ground = made.ground()
+    ground = Ground(made.body, made.blasting)
     cutoff = made.blasting.cutoff_wavelength
     profile = roughness_profiles(made.heights[made.heights.shape[0] // 2], ground.step, cutoff)
     edges = np.rint(np.arange(SECTIONS + 1) * cutoff / ground.step).astype(int)
@@ -165,7 +165,7 @@ class SurfaceFilm(Film):
         self.times = time_of(made, 1.0 + np.arange(made.depths.size))
         warp = slow_motion(0.0, float(self.times[-1]), duration)
         super().__init__(warp, width, height, (BLUE, VERMILION), Scale(1.0, "s"))
-        self.ground = made.ground()
+        self.ground = Ground(made.body, made.blasting)
         self.every = -(
             -made.heights.shape[1] // PIXELS
         )  # cells along the slide for one in the picture
@@ -193,7 +193,7 @@ class SurfaceFilm(Film):
         number = int(np.searchsorted(self.times, time * (1.0 + 1e-12), "right"))
         done = len(self.ground.taken)
         if number < done:
-            self.ground = self.made.ground()
+            self.ground = Ground(self.made.body, self.made.blasting)
             done = 0
         for (x, y), depth in zip(
             self.made.places[done:number].tolist(),

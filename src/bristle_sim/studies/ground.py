@@ -60,38 +60,30 @@ def floor_of_volume(above: Array, volume: float) -> float:
 
 @dataclass(eq=False)
 class Ground:
-    """Grid of ground heights, which every strike changes.
+    """Grid of ground heights, a plane at first, which every strike changes.
 
     Attributes:
         body: shape of the crater that a strike cuts.
-        rule: rule for z_0: ``energy``, ``plane`` or ``ground``.
-        cell: width of a cell across the slide, m; ``step`` is its length along the slide.
+        blasting: size and cells of the ground, and the rule for z_0.
         heights: heights above the original plane, m, shape (across, along).
+        cell: width of a cell across the slide, m; ``step`` is its length along the slide.
         covered: number of cells that were struck.
         taken: volumes that the strikes removed, in their order, m^3.
     """
 
     body: CraterBody
-    rule: str
-    cell: float
-    heights: Array
+    blasting: Blasting
     covered: int = 0
     taken: list[float] = field(default_factory=list)
     _highest: float = 0.0
     _needed: float = 0.0
 
-    @classmethod
-    def plane(cls, body: CraterBody, blasting: Blasting) -> Ground:
-        """Return a plane ground, before the first strike."""
-        cell = blasting.cell
-        along = CELLS_ALONG * round(blasting.ground_length / cell)
-        heights = np.zeros((round(blasting.ground_width / cell), along))
-        return cls(body, blasting.crater_rule, cell, heights)
-
-    @property
-    def step(self) -> float:
-        """Return the length of a cell along the slide, m."""
-        return self.cell / CELLS_ALONG
+    def __post_init__(self) -> None:
+        self.cell = self.blasting.cell
+        self.step = self.cell / CELLS_ALONG
+        across = round(self.blasting.ground_width / self.cell)
+        along = CELLS_ALONG * round(self.blasting.ground_length / self.cell)
+        self.heights: Array = np.zeros((across, along))
 
     @property
     def coverage(self) -> float:
@@ -106,14 +98,15 @@ class Ground:
         """
         if len(self.taken) % HIGHEST_EVERY == 0:
             self._highest = float(self.heights.max())
-        if self.rule == "energy":
+        rule = self.blasting.crater_rule
+        if rule == "energy":
             place, ground, bottom = self._by_volume(x, y, depth)
         else:
             place, shape = self._window(x, y, depth)
             ground = self.heights[place]
             outside = shape > depth
             mean = 0.0
-            if self.rule == "ground" and not outside.all():
+            if rule == "ground" and not outside.all():
                 mean = float(ground[~outside].mean())
             bottom = np.where(outside, math.inf, shape + (mean - depth))
         cut = np.minimum(ground, bottom)
@@ -235,22 +228,17 @@ def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
     if blasting.places == "random":  # by far enough strikes: rule plane is covered least
         return _blasted(blasting, body, 4.0 * wanted * area / body.area() + 100.0)
     number = wanted * (area / body.area())  # strikes fall nearly as ln(1 - coverage)
-    best = None
-    missed = math.inf
     for _ in range(COVERAGE_ROUNDS):
         found = _blasted(blasting, body, number)
         reached = found.ground.coverage
-        if best is None or abs(reached - blasting.coverage) < missed:
-            best = found
-            missed = abs(reached - blasting.coverage)
-        if missed <= COVERAGE_TOLERANCE:
-            return best
+        if abs(reached - blasting.coverage) <= COVERAGE_TOLERANCE:
+            break
         number *= math.sqrt(wanted / _avrami(min(max(reached, 1e-3), 1.0 - 1e-6)))
-    if best is None or missed > COVERAGE_ACCEPTED:
+    if abs(reached - blasting.coverage) > COVERAGE_ACCEPTED:
         raise ValueError(
             f"coverage = {blasting.coverage:g}: must be one that a feed gives, these places cover {reached:.4g}; try areal_ratio"
         )
-    return best
+    return found
 
 
 def _avrami(coverage: float) -> float:
@@ -276,7 +264,7 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
     scatter = random.standard_normal(number).clip(-SPREAD, SPREAD)
     depths = body.depth * (1.0 + blasting.depth_scatter * scatter)
     places = _places(blasting, number, random)
-    ground = Ground.plane(body, blasting)
+    ground = Ground(body, blasting)
     # The lowest point comes to rest over the middle of a cell, or the cells would miss the sharp
     # ends of valleys
     lowest = np.rint((places[:, 0] + body.lowest) / ground.step)
@@ -285,18 +273,17 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
     expected: float = number
     if blasting.coverage is not None and blasting.places == "random":
         wanted = blasting.coverage
-        area = blasting.ground_length * blasting.ground_width
-        expected = _avrami(wanted) * area / body.area()
+        expected = _avrami(wanted) * blasting.ground_length * blasting.ground_width / body.area()
     pause = max(1, math.ceil(expected / INSTANTS))
-    course: list[tuple[float, ...]] = [(0, 0.0, 0.0, 0.0)]
-    done = 0
-    while done < number and ground.coverage < wanted:
-        x, y = places[done].tolist()
-        ground.strike(x, y, float(depths[done]))
-        done += 1
-        if done % pause == 0 or done == number or ground.coverage >= wanted:
+    course = [(0.0, 0.0, 0.0, 0.0)]
+    for done, ((x, y), depth) in enumerate(zip(places.tolist(), depths.tolist(), strict=True), 1):
+        ground.strike(x, y, depth)
+        ended = done == number or ground.coverage >= wanted
+        if ended or done % pause == 0:
             rz = mean_rz(ground, blasting.cutoff_wavelength)
             course.append((done, rz, ground.coverage, -float(ground.heights.mean())))
+        if ended:
+            break
     names = ("strikes", "rz", "coverage", "mean_depth")
     columns = dict(zip(names, np.array(course).T, strict=True))
     return Blasted(ground, places[:done], depths[:done], columns)

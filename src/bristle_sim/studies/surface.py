@@ -21,7 +21,7 @@ from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies.crater_study import MEASURED, swept_crater
-from bristle_sim.studies.ground import Blasted, Ground, blast, mean_rz, whole_planes
+from bristle_sim.studies.ground import CELLS_ALONG, Blasted, blast, mean_rz, whole_planes
 from bristle_sim.theory.crater_body import CraterBody, Paraboloid
 from bristle_sim.theory.roughness import (
     SECTIONS,
@@ -117,10 +117,6 @@ class BlastedSurface(EqualByValue):
     crater_area: float
     crater_volume: float
 
-    def ground(self) -> Ground:
-        """Return a plane ground of the same grid, before the first strike."""
-        return Ground.plane(self.body, self.blasting)
-
 
 def surface(
     tool: Tool | None = None,
@@ -189,10 +185,10 @@ def first_crater(
     if None not in given:
         return Paraboloid(*given)  # type: ignore[arg-type]
     body = swept_crater(tool.hub, tool.bristle, crater or _own_strike(tool), settings)
-    if given == (None, None, None):
+    if not any(given):
         return body
-    own = (body.depth, body.length, body.width)
-    return Paraboloid(*(b if a is None else a for a, b in zip(given, own, strict=True)))
+    depth, length, width = given
+    return Paraboloid(depth or body.depth, length or body.length, width or body.width)
 
 
 def _own_strike(tool: Tool) -> Crater:
@@ -223,8 +219,9 @@ def _measured(found: Blasted, blasting: Blasting, body: CraterBody, rate: float)
     cutoff = blasting.cutoff_wavelength
     rough = roughness_profiles(heights, ground.step, cutoff)
     along = profile_measures(rough, ground.step, cutoff, SECTIONS)
-    section = min(cutoff, cell * heights.shape[0])
-    fitting = min(SECTIONS, max(1, int(cell * heights.shape[0] / section * (1.0 + 1e-9))))
+    width = cell * heights.shape[0]
+    section = min(cutoff, width)
+    fitting = min(SECTIONS, int(width / section * (1.0 + 1e-9)))
     profiles = roughness_profiles(np.ascontiguousarray(heights.T), cell, cutoff)
     across = profile_measures(profiles, cell, section, fitting)
     long_enough = blasting.ground_length * (1.0 + 1e-9) >= SECTIONS * LONG_CUTOFF
@@ -275,9 +272,19 @@ def surface_study(
     started = clock.perf_counter()
     tool = Tool(hub=hub, bristle=bristle, bar=None, workpart=None)
     made = blasted_surface(tool, crater, blasting, settings)
-    theory = dict[str, float]()
+    low, high = MEASURED_RZ
+    measured = f"{1e6 * low:.0f} to {1e6 * high:.0f} µm"
+    cutoff = amount(blasting.cutoff_wavelength, "m")
+    theory = {}
+    remarks = [
+        f"Rz: {SECTIONS} sections of {cutoff} along the slide, {made.sections_across} across, Gaussian filter; the mean"
+        f" of all profiles. Measured: {measured} on corroded API 5L (NACE 09191); its cut-off is not known.",
+        f"{made.depths.size} strikes on {amount(made.blasting.ground_length, 'm')} by"
+        f" {amount(made.blasting.ground_width, 'm')}, rule {blasting.crater_rule}, places: {blasting.places}.",
+    ]
     if blasting.places == "random":
         theory["coverage"] = -math.expm1(-made.strikes_per_crater_area)
+        remarks.append("theory of the coverage: random places, 1 - exp(-A)")
     if blasting.crater_rule == "energy":
         theory["removed_volume"] = float(np.sum(made.body.volume(made.depths)))
     printed = {
@@ -286,29 +293,16 @@ def surface_study(
         "crater_width": MEASURED_WIDTH,
     }
     values = {name: getattr(made, name) for name in UNITS}
-    low, high = MEASURED_RZ
-    cutoff = amount(blasting.cutoff_wavelength, "m")
     return Report(
         quantities=rows(UNITS, values, theory, printed=printed),
         wall_s=clock.perf_counter() - started,
         steps=made.depths.size,
-        remarks=(
-            f"Rz: {SECTIONS} sections of {cutoff} along the slide, {made.sections_across} across, Gaussian filter; the mean"
-            f" of all profiles. Measured: {1e6 * low:.0f} to {1e6 * high:.0f} µm on corroded API 5L (NACE 09191); its cut-off"
-            " is not known.",
-            f"{made.depths.size} strikes on {amount(made.blasting.ground_length, 'm')} by"
-            f" {amount(made.blasting.ground_width, 'm')}, rule {blasting.crater_rule}, places: {blasting.places}.",
-            *(
-                ["theory of the coverage: random places, 1 - exp(-A)"]
-                if "coverage" in theory
-                else []
-            ),
-        ),
+        remarks=tuple(remarks),
         extra={"sections_across": made.sections_across, "measured_rz": list(MEASURED_RZ)},
         subject=made,
         answer=(
             f"This tool makes Rz {amount(made.rz, 'm')} at {amount(made.area_rate, 'm^2/s')} and"
-            f" {100.0 * made.coverage:.3g} % coverage (cut-off {cutoff}); measured Rz: {1e6 * low:.0f} to {1e6 * high:.0f} µm."
+            f" {100.0 * made.coverage:.3g} % coverage (cut-off {cutoff}); measured Rz: {measured}."
         ),
     )
 
@@ -325,7 +319,7 @@ def height_lines(made: BlastedSurface) -> str:
 def height_columns(made: BlastedSurface) -> dict[str, Array]:
     """Return x, y and height of every cell, m, as columns by name, in rows along the slide."""
     across, along = np.indices(made.heights.shape)
-    ground = made.ground()
-    columns = (ground.step * along, ground.cell * across, made.heights)
+    cell = made.blasting.cell
+    columns = (cell / CELLS_ALONG * along, cell * across, made.heights)
     names = ("x (m)", "y (m)", "height (m)")
     return dict(zip(names, (each.ravel() for each in columns), strict=True))
