@@ -6,7 +6,6 @@ separate columns. A heading may include a unit, as in ``time (ms)``; otherwise s
 """
 
 import csv
-import math
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -22,7 +21,7 @@ VOLTAGE = {"V": 1.0, "mV": 1e-3}  # conversion factors of units to SI, as in TIM
 UNIT = re.compile(r"^(.*?)\s*[\[(/]\s*([^\])/]*?)\s*[\])]?$")
 """Pattern of a heading with a unit: ``time (ms)``, ``force [kN]``, ``t / us``."""
 
-MOST = 1e100  # largest time, s, or force, N, in a file; the squares of larger numbers overflow
+MOST = 1e100  # largest number in a file; the squares of larger times and forces overflow
 
 # least number of points in a file, because the fitted curve has three unknowns even if its start is
 # known
@@ -44,6 +43,14 @@ class Column(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.number} ({self.name})" if self.name else str(self.number)
+
+
+class Chosen(NamedTuple):
+    """A column that was chosen, the factor that converts it to SI, and words on column and unit."""
+
+    column: Column
+    factor: float
+    reading: str
 
 
 class ForceRecord(NamedTuple):
@@ -99,36 +106,23 @@ def read_force_csv(
     headed = any(_number(cell, decimal) is None for cell in rows[0][1])
     headings = rows.pop(0)[1] if headed else [""] * len(rows[0][1])
     columns = [_column(*each) for each in enumerate(headings, 1)]
+    volts = " or V, mV; of a voltage force_per_volt must be given (in N/V)"
+    forces = FORCE
+    if force_per_volt is not None:
+        forces = {unit: factor * force_per_volt for unit, factor in VOLTAGE.items()}
+        volts = ", or force_per_volt must not be given"
     time = _chosen(path, "time", time_column, columns, TIME)
-    force = _chosen(
-        path, "force", force_column, [each for each in columns if each is not time], FORCE
-    )
+    columns.remove(time.column)
+    force = _chosen(path, "force", force_column, columns, forces, volts)
     if len(rows) < FEWEST_POINTS:
         raise ValueError(f"{path}: {len(rows)} points; there must be at least {FEWEST_POINTS}")
-    values = np.array(
-        [[_value(path, *row, decimal, each) for each in (time, force)] for row in rows]
-    ).T
+    chosen = (time.column, force.column)
+    values = np.array([[_value(path, *row, decimal, each) for each in chosen] for row in rows]).T
     for i in np.flatnonzero(np.diff(values[0]) <= 0.0)[:1] + 1:
         must = f"must be more than the time before, {values[0][i - 1]:g}"
         raise ValueError(f"{path}, line {rows[i][0]}: time = {values[0][i]:g}: {must}")
-    assumed = "s", "N" if force_per_volt is None else "V"
-    units = [
-        each.unit or f"no unit: taken as {unit}"
-        for each, unit in zip((time, force), assumed, strict=True)
-    ]
-    reading = f"time from column {time}, {units[0]}; force from column {force}, {units[1]}"
-    if time.unit and time.unit not in TIME:
-        raise ValueError(
-            f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}"
-        )
-    scales = TIME.get(time.unit, 1.0), _newtons(path, force, force_per_volt)
-    for column, numbers, scale in zip((time, force), values, scales, strict=True):
-        for i in np.flatnonzero(np.abs(numbers) > MOST / max(abs(scale), 1.0))[:1]:
-            raise ValueError(
-                f"{path}, line {rows[i][0]}: {numbers[i]:g} {column.unit} in column {column.number}: must be at most"
-                f" {MOST:g} (in s, N)"
-            )
-    return ForceRecord(values[0] * scales[0], values[1] * scales[1], reading)
+    reading = f"time from {time.reading}; force from {force.reading}"
+    return ForceRecord(values[0] * time.factor, values[1] * force.factor, reading)
 
 
 def _lines(path: str | Path) -> list[str]:
@@ -168,14 +162,15 @@ def _value(path: str | Path, number: int, row: list[str], decimal: str, column: 
     """Return the number that a row has in a column.
 
     Raises:
-        ValueError: if it is no finite number; the message names file, line and column.
+        ValueError: if it is no number, or larger than MOST; the message names file, line and
+            column.
     """
     cell = row[column.number - 1] if column.number <= len(row) else ""
     value = _number(cell, decimal)
-    if value is None or not math.isfinite(value):
+    if value is None or not abs(value) <= MOST:
         shown = cell if len(cell) <= 40 else f"{cell[:40]}..."
         raise ValueError(
-            f"{path}, line {number}: {shown!r} in column {column.number}: must be a finite number"
+            f"{path}, line {number}: {shown!r} in column {column.number}: must be a finite number of at most {MOST:g}"
         )
     return value
 
@@ -191,9 +186,14 @@ def _column(number: int, heading: str) -> Column:
 
 
 def _chosen(
-    path: str | Path, kind: str, key: str | None, columns: list[Column], units: dict[str, float]
-) -> Column:
-    """Return the column of the times or of the forces.
+    path: str | Path,
+    kind: str,
+    key: str | None,
+    columns: list[Column],
+    units: dict[str, float],
+    otherwise: str = "",
+) -> Chosen:
+    """Return the column of the times or of the forces, with the factor that converts it to SI.
 
     Args:
         path: name of the file, for the message.
@@ -201,10 +201,11 @@ def _chosen(
         key: heading or number of the column; None chooses the only column with a fitting unit, or
             else the first column for the time and the only remaining column for the force.
         columns: columns from which to choose.
-        units: fitting units.
+        units: fitting units, with their factors; the first one is that of a column without a unit.
+        otherwise: what else may be done about a unit that does not fit, for the message.
 
     Raises:
-        ValueError: if no column or several columns fit.
+        ValueError: if no column or several columns fit, or the unit does not.
     """
     found = [each for each in columns if each.unit in units]
     if key is not None:
@@ -219,29 +220,10 @@ def _chosen(
         )
         must = "" if key is not None else f": {kind}_column must say which of them is the {kind}"
         raise ValueError(f"{path}: {named}{', '.join(map(str, columns))}{must}")
-    return found[0]
-
-
-def _newtons(path: str | Path, column: Column, force_per_volt: float | None) -> float:
-    """Return the factor that converts a force column to newtons.
-
-    Raises:
-        ValueError: for an unknown unit, for a voltage without ``force_per_volt``, and for a force
-            in newtons if ``force_per_volt`` is given.
-    """
-    volts = column.unit in VOLTAGE or (not column.unit and force_per_volt is not None)
-    if volts and force_per_volt is not None:
-        return VOLTAGE.get(column.unit, 1.0) * force_per_volt
-    if volts:
-        raise ValueError(
-            f"{path}: column {column} in {column.unit}: force_per_volt must be given (in N/V)"
-        )
-    if column.unit and column.unit not in FORCE:
-        raise ValueError(
-            f"{path}: column {column} in {column.unit!r}: a force must be in {', '.join(FORCE)} or V, mV"
-        )
-    if force_per_volt is not None:
-        raise ValueError(
-            f"{path}: column {column}: force_per_volt must not be given with a force in {column.unit}"
-        )
-    return FORCE.get(column.unit, 1.0)
+    column = found[0]
+    unit = column.unit or next(iter(units))
+    if unit not in units:
+        must = f"a {kind} must be in {', '.join(units)}{otherwise}"
+        raise ValueError(f"{path}: column {column} in {unit!r}: {must}")
+    reading = f"column {column}, {column.unit or f'no unit: taken as {unit}'}"
+    return Chosen(column, units[unit], reading)

@@ -72,7 +72,8 @@ def test_columns_are_chosen_by_heading_number_or_unit(tmp_path, text, chosen):
 def test_a_voltage_needs_a_sensitivity(tmp_path):
     path = written(tmp_path, "Time (ms),Channel A (mV)\n" + rows(1e3, 1e3 / -20.0))
     with pytest.raises(
-        ValueError, match=r"points\.csv: column 2 \(Channel A\) in mV: force_per_volt must be given"
+        ValueError,
+        match=r"points\.csv: column 2 \(Channel A\) in 'mV': a force must be in N, .* force_per_volt must be given",
     ):
         read_force_csv(path)
     np.testing.assert_allclose(
@@ -122,17 +123,17 @@ def test_a_voltage_needs_a_sensitivity(tmp_path):
         (
             "s (s),F (kN)\n0,1\n1,1e307\n2,3\n3,4\n",
             {},
-            r"line 3: 1e\+307 kN in column 2: must be at most 1e\+100 \(in s, N\)",
+            r"line 3: '1e307' in column 2: must be a finite number of at most 1e\+100",
         ),
         (
             "s (s),F (kN)\n0,1\n1,2\n2,3\n1e300,4\n",
             {},
-            r"line 5: 1e\+300 s in column 1: must be at most 1e\+100",
+            r"line 5: '1e300' in column 1: must be a finite number of at most 1e\+100",
         ),
         (
             "time (s),force (N)\n" + rows(),
             {"force_per_volt": 2.0},
-            "force_per_volt must not be given",
+            "in 'N': a force must be in V, mV, or force_per_volt must not be given",
         ),
         (
             "time,force\n" + "1" * 200_000 + ",2\n",
