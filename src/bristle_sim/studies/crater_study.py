@@ -125,7 +125,7 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         " straight path. The shear plane ends at a surface parallel to the path, as in (4.28), or at the real surface, inclined to it.",
     ]
     return Report(
-        **contact_fields(study.contact),
+        **contact_fields(study.contact) if study.contact else {"outcome": "no contact"},
         quantities=(
             *rows(FORMULA_DEPTHS, {}, depths, printed=printed),
             *rows(CONTACT_DEPTHS, simulated, theory),

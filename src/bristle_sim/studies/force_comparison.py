@@ -3,9 +3,8 @@ contact of the bristle.
 
 The curve (3.19) belongs to a ball on a plate and is transferred to the bristle. The simulated
 contact is a spring, with the same compressive impulse and compression time. A curve of the form
-(3.3) fitted to a measured record may replace (3.19). Two checks show whether the record has that
-form. First, the impulse of the fitted curve is compared with a sum over the points. Second, the
-residuals are compared with the noise, which is estimated from second differences.
+(3.3) fitted to a measured record may replace (3.19). Whether the record has that form is shown by the
+residuals of the fit, less the noise, which is estimated from second differences.
 """
 
 import math
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, rows
+from bristle_sim.comparison import Quantity, Report, Values, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.force_file import read_force_csv
 from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
@@ -39,14 +38,9 @@ PRINTED = {
 }
 """Where the dissertation prints the value of each quantity."""
 
-# The impulse is summed over the contact and over this fraction of its duration before and after it
-SUMMED_BEYOND = 0.1
 # Largest root mean square difference, over the peak force, at which a record counts as having the
 # form (3.3). A half sine differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
 FORM = 0.05
-# Largest relative difference of the impulses at which the fit counts as right. The fit of a half
-# sine has 0.9 % more impulse; the fit of sin^1.5 has the exact impulse.
-FORM_IMPULSE = 0.02
 CERTAIN = 5.0  # largest difference that noise alone explains, in standard deviations
 
 
@@ -100,15 +94,20 @@ def force_comparison(
     Raises:
         ValueError: if the measured points are not the force of a contact.
     """
-    measured = _measured_force(measurement)
+    measured = None if measurement.force_csv is None else _measured_force(measurement)
     contact = None
     no_contact = ""
     curve = BRISTLE if measured is None else measured.fit.curve
     peak = curve.peak_time()
+    theory = {
+        "peak_force": curve.peak_force(),
+        "compression_time": peak,
+        "compressive_impulse": float(curve.impulse(peak)),
+    }
     gamma = math.radians(history.impact_angle_deg)
-    timed: dict[str, float] = {"compression_time": history.compression_time or peak}
+    timed = {"compression_time": history.compression_time or peak}
     if history.speed_ratio is None:
-        timed["impulse"] = float(curve.impulse(peak))
+        timed["impulse"] = theory["compressive_impulse"]
     else:
         timed["rate"] = history.speed_ratio * hub.speed
     try:
@@ -125,35 +124,32 @@ def force_comparison(
             within["compression_time"] = allowed
         if history.speed_ratio is None:
             within["compressive_impulse"] = allowed
-    simulated = {name: float(getattr(contact, name)) for name in QUANTITIES if contact is not None}
-    theory = {
-        "peak_force": curve.peak_force(),
-        "compression_time": peak,
-        "compressive_impulse": float(curve.impulse(peak)),
-    }
-    printed = dict[str, float]()
-    source = ["theory: the curve as printed in (3.19)"]
-    name = "chapter 3's curve"
-    checks = list[Quantity]()
-    if measured is None:
-        printed = {name: printed_number(place) for name, place in PRINTED.items()}
-    else:
-        source = _measured_in_words(measured)
-        name = "the curve fitted to the measurement"
-        checks = _measured_rows(measured)
-    main = rows(QUANTITIES, simulated, theory, {}, printed, within)
+    simulated: Values = {}
+    fields: dict[str, Any] = {"outcome": "no contact" if measured is None else None}
+    shown = f"nothing; {no_contact}"
     if contact is not None:
+        simulated = {name: getattr(contact, name) for name in QUANTITIES}
         fields = contact_fields(contact, end=float(contact.time[-1]))
         speed = f"{contact.tip_speed:.2f} m/s with mu = {surface.friction:g}"
         shown = f"resultant force of a bristle whose tip strikes at {speed}"
+    if measured is None:
+        printed = {name: printed_number(place) for name, place in PRINTED.items()}
+        main = rows(QUANTITIES, simulated, theory, {}, printed, within)
+        checks = []
+        source = ["theory: the curve as printed in (3.19)"]
+        name = "chapter 3's curve"
+        extra = None
     else:
-        fields = {"outcome": None} if measured else contact_fields(None)
-        shown = f"nothing; {no_contact}"
+        main = rows(QUANTITIES, simulated, theory, tolerances=within)
+        checks = [_misfit(measured)]
+        source = _measured_in_words(measured)
+        name = "the curve fitted to the measurement"
+        extra = _as_dict(measured.fit)
     return Report(
         **fields,
         quantities=(*main, *checks),
         remarks=(*source, f"simulated: {shown}"),
-        extra={"measured_fit": None if measured is None else _as_dict(measured.fit)},
+        extra={"measured_fit": extra},
         subject=ForceComparison(curve, contact, measured, no_contact),
         answer=_answer(name, main, no_contact),
     )
@@ -187,60 +183,42 @@ def _as_dict(fit: ForceFit) -> dict[str, Any]:
     return numbers | {"values": values, "standard_errors": errors}
 
 
-def _measured_force(measurement: Measurement) -> MeasuredForce | None:
-    """Read the file of a measurement and fit a curve to it; return None if no file is given.
+def _measured_force(measurement: Measurement) -> MeasuredForce:
+    """Read the file of a measurement, and fit a curve to it.
 
     Raises:
         ValueError: if the file does not hold the force of a contact. The message is one line that
             names the parameter.
     """
-    if measurement.force_csv is None:
-        return None
+    name = str(measurement.force_csv)
     columns = {
         name: getattr(measurement, name)
         for name in ("time_column", "force_column", "force_per_volt")
     }
     try:
-        time, force, reading = read_force_csv(measurement.force_csv, **columns)
+        time, force, reading = read_force_csv(name, **columns)
     except ValueError as error:
         raise ValueError(f"force_csv = {error}") from None
     try:
         fit = fit_force_history(time, force)
     except ValueError as error:
-        raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
+        raise ValueError(f"force_csv = {name}: {error}") from None
     later = time - fit.start
     length = fit.curve.duration
     shown = (later >= -0.5 * length) & (later <= 1.5 * length)
     return MeasuredForce(later[shown], force[shown] - fit.baseline, fit, reading)
 
 
-def _measured_rows(measured: MeasuredForce) -> list[Quantity]:
-    """Compare the impulse of the fitted curve with the sum over the points, and the residuals with
-    the noise.
-    """
-    curve = measured.fit.curve
-    length = measured.fit.curve.duration
+def _misfit(measured: MeasuredForce) -> Quantity:
+    """Return the root mean square of a fit's residuals beyond the noise, over the peak force."""
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's
-    noise = math.sqrt(float(second @ second) / 6.0 / second.size)
-    peak = curve.peak_force()
-    inside = (measured.time >= -SUMMED_BEYOND * length) & (
-        measured.time <= (1.0 + SUMMED_BEYOND) * length
-    )
-    time = measured.time[inside]
-    force = measured.force[inside]
-    fitted = float(curve.impulse(min(float(time[-1]), length), max(float(time[0]), 0.0)))
-    summed = float(np.trapezoid(force, time))
-    # The sum of points at intervals h has an error of noise sqrt(h T); the fit's amplitude has a
-    # part of it.
-    spread = CERTAIN * noise * math.sqrt(2.0 * length * float(np.mean(np.diff(time)))) / abs(summed)
-    # Over n points, squared residuals have a variance of 2 noise^4/n, squared second differences of 3.9 noise^4/n.
-    chance = CERTAIN * math.sqrt(6.0 / force.size) * (noise / peak) ** 2
-    misfit = math.sqrt(max(0.0, measured.fit.root_mean_square**2 - noise**2)) / peak
-    within = FORM_IMPULSE + spread
-    return [
-        Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=within),
-        Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=math.sqrt(FORM**2 + chance)),
-    ]
+    peak = measured.fit.curve.peak_force()
+    noise = float(second @ second) / 6.0 / second.size / peak**2
+    # Over n points, squared residuals have a variance of 2 noise^2/n, squared second differences of 3.9 noise^2/n.
+    chance = CERTAIN * math.sqrt(6.0 / measured.force.size) * noise
+    misfit = math.sqrt(max(0.0, (measured.fit.root_mean_square / peak) ** 2 - noise))
+    within = math.sqrt(FORM**2 + chance)
+    return Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=within)
 
 
 def _measured_in_words(measured: MeasuredForce) -> list[str]:

@@ -245,13 +245,11 @@ def timed_contact(
     return _adjusted(struck, given, np.array(requested), max(REQUEST_TOLERANCE, settings.accuracy))
 
 
-def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, Any]:
+def contact_fields(contact: TimedContact, **later: float) -> dict[str, Any]:
     """Return the fields of a report on a contact.
 
     ``later`` holds further events with their times, s.
     """
-    if contact is None:
-        return {"outcome": "no contact"}
     events = {"strike": 0.0, "deepest": contact.compression_time} | later
     return record_fields(contact.strike, **events)
 
