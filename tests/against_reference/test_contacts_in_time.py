@@ -152,6 +152,17 @@ def test_wires_of_a_row_touch_a_surface_of_one_stiffness() -> None:
         assert found.duration == pytest.approx(expected.duration, rel=10.0 * ACCURACY)
 
 
+def test_a_dent_lasts_while_a_neighbour_moves() -> None:
+    """Wires 60 deg apart do not meet: each hops over its dent as the lone wire does, and does not touch its flank."""
+    tool = timed(5e-4, friction=0.6, restitution=0.0, compliance=1.21)
+    lone = touches(simulate_reference(tool, accuracy=1e-9))
+    pitch = math.radians(60.0)
+    row = simulate_row_reference(tool, accuracy=1e-9, bristles=2, pitch=pitch)
+    for number, run in enumerate(row):
+        later = number * pitch / tool.hub.speed
+        assert touches(run) == pytest.approx([time + later for time in lone], rel=1e-9)
+
+
 def test_beside_a_bar() -> None:
     """A bar 0.3 mm beside the wire is met 9.4 us after the touch, while the spring acts."""
     full = bs.simulate(timed(1e-3))

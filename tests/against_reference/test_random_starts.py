@@ -13,7 +13,7 @@ from bristle_sim.parameters import Belt, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.tool import tool_units
-from bristle_sim.settings import Settings
+from bristle_sim.settings import Settings, StopReason
 
 
 def drawn(seed: int) -> tuple[Tool, dict[str, float]]:
@@ -75,6 +75,17 @@ def test_a_start_that_moves_into_an_obstacle(hub_angle: float, angle: float, lef
     }
     found = agrees_with_reference(tool, start=start)
     assert found.ok, found.reached
+
+
+@pytest.mark.parametrize(
+    ("tool", "angle"), [(Tool(), 0.0), (Tool(belt=Belt(damping_ratio=0.1)), -0.3)]
+)
+def test_the_highest_relative_speed_is_the_first_maximum(tool: Tool, angle: float) -> None:
+    """Undamped it follows the strike; from a start behind the hub it precedes the bar."""
+    start = {"start_relative_angle": angle, "stop_after": "highest relative speed"}
+    run, exact = simulate(tool, **start), simulate_reference(tool, **start)
+    assert exact.stop_reason is run.stop_reason is StopReason.EVENT
+    assert run.time[-1] == pytest.approx(exact.time[-1], rel=1e-6)
 
 
 def test_a_wedge_closes_without_a_rebound() -> None:

@@ -100,7 +100,7 @@ class TestContacts:
         at_rest = wires.touch(
             chain, chain.kinematics(1e-3, angles, np.array([400.0, 250.0])), point
         )
-        row = at_rest.normal_row
+        row = at_rest.rows[0]
         rates = np.array([400.0, 250.0]) - row * at_rest.velocity[0] / (row @ row)
         wires.diameter += at_rest.gap
         before, touch, after = (
@@ -115,12 +115,13 @@ class TestContacts:
 
     def test_one_of_two_contacts_at_one_place_bears(self):
         """Both together would have no unique forces."""
-        touch = Touch(0.0, np.array([1.0]), np.array([0.0]), (0.0, 1.0), (0.0, 0.0))
+        touch = Touch(0.0, np.array([[1.0], [0.0]]), np.array([0.0, 1.0]), np.zeros(2))
         assert len(acting(np.eye(1), np.array([-1.0]), [Acting(touch, 0.0, 1)] * 2, 1e-9)) == 1
 
     def test_friction_that_locks_a_contact_leaves_no_force(self):
         """Pushed on with 1 N, slip presses it on by 2 - 3 < 0 per newton of normal force; it can neither bear nor open."""
-        touch = Touch(0.0, np.array([1.0, 0.0]), np.array([0.5, 1.0]), (0.0, 1.0), (0.0, 0.0))
+        rows = np.array([[1.0, 0.0], [0.5, 1.0]])
+        touch = Touch(0.0, rows, np.array([0.0, 1.0]), np.zeros(2))
         assert acting(np.eye(2), np.array([-1.0, 0.0]), [Acting(touch, 3.0, 1)], 1e-9) is None
 
 
@@ -154,8 +155,7 @@ class TestTangentialSpring:
         touch = obstacles_of(tool)["workpart"].touch(
             chain, motion, Point("workpart", links - 1, True)
         )
-        rows = np.array([touch.normal_row, touch.tangential_row])
-        inverse_mass = rows @ np.linalg.solve(chain.mass_matrix(motion.turn), rows.T)
+        inverse_mass = touch.rows @ np.linalg.solve(chain.mass_matrix(motion.turn), touch.rows.T)
         law = energetic_impact(
             0.5 * (inverse_mass + inverse_mass.T),
             touch.velocity,

@@ -13,6 +13,7 @@ the corner slides around the bar. The velocities of the wire's surface at the co
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -21,7 +22,6 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
 from bristle_sim.reference.mechanics import Chain, Kinematics
-from bristle_sim.theory.contact_spring import ContactSpring
 
 
 class Point(NamedTuple):
@@ -39,73 +39,23 @@ class Point(NamedTuple):
 class Touch(NamedTuple):
     """Kinematics of a contact at one instant, in SI units.
 
+    Pairs are (normal, tangential).
+
     Attributes:
         gap: gap between wire and obstacle, m.
-        normal_row, tangential_row: derivatives of the contact velocity with respect to the rates of
-            the links, m.
-        velocity: (normal, tangential) velocity of the wire's surface at the contact, m/s.
-        bias: (normal, tangential) acceleration of the contact while the rates of the links are
-            constant, m/s^2.
+        rows: derivatives of the contact velocity with respect to the rates of the links, m, shape
+            (2, links).
+        velocity: velocity of the wire's surface at the contact, m/s, shape (2,).
+        bias: acceleration of the contact while the rates of the links are constant, m/s^2, shape
+            (2,).
         along: position of the contact along a flat surface, m.
     """
 
     gap: float
-    normal_row: Array
-    tangential_row: Array
-    velocity: tuple[float, float]
-    bias: tuple[float, float]
+    rows: Array
+    velocity: Array
+    bias: Array
     along: float = 0.0
-
-
-@dataclass(slots=True)
-class Spring:
-    """The normal and the tangential spring of a compliant contact, and their state.
-
-    Attributes:
-        law: stiffness, restitution and friction of the contact.
-        surface: gap at which the contact began, from which the penetration is measured, m. It is
-            negative in the dent of an earlier contact.
-        anchor: position of the tangential spring's foot along the surface while it sticks, m.
-        deepest: deepest penetration, m.
-        loading: whether the normal spring is in loading.
-    """
-
-    law: ContactSpring
-    surface: float = 0.0
-    anchor: float = 0.0
-    deepest: float = 0.0
-    loading: bool = True
-
-    @property
-    def left(self) -> float:
-        """Return the penetration at which the force reaches zero in unloading, m."""
-        return self.law.residual(self.deepest)
-
-    def force(self, gap: float) -> float:
-        """Return the normal force, N, at a gap, m, measured from the undented surface."""
-        return self.law.normal_force(self.surface - gap, None if self.loading else self.deepest)
-
-    def rub(self, touch: Touch, slip: int) -> float | None:
-        """Return the tangential force, N; None if the contact is rigid along the surface.
-
-        ``slip`` is the sense in which the tangential spring's foot slides, 0 while it sticks.
-        """
-        if not self.law.compliance:
-            return None
-        if slip:
-            return -self.law.coefficient(loading=self.loading) * slip * self.force(touch.gap)
-        return self.law.tangential_force(touch.along, self.anchor)
-
-    def foot(self, touch: Touch, slip: int) -> float:
-        """Return the velocity of the tangential spring's foot in the sense of its slip, m/s.
-
-        Without a tangential spring it is the velocity of the contact point in this sense.
-        """
-        return slip * self.law.foot_velocity(touch.velocity, slip, loading=self.loading)
-
-    def stretch(self, touch: Touch, pull: float) -> None:
-        """Set the tangential spring's foot so that the tangential force is ``pull``, N."""
-        self.anchor = self.law.foot(touch.along, pull)
 
 
 def touch_of(
@@ -130,18 +80,15 @@ def touch_of(
         spin: angular velocity of the normal, rad/s.
         moving: velocity of the contact point, which slides along the wire's material, m/s.
     """
-    velocity = motion.velocity[link]
-    rate = motion.rates[link]
-    tangent = -1j * normal
+    axes = np.conj([normal, -1j * normal])
     arm = point - motion.joint[link]
-    material = velocity + 1j * rate * arm
+    turning = 1j * motion.rates[link]
+    material = motion.velocity[link] + turning * arm
     # d/dt of n.v and t.v, with n' = i spin n and arm' = moving - velocity, at theta'' = 0.
-    change = motion.acceleration[link] + 1j * rate * (moving - velocity)
-    normal_row = chain.jacobian(motion, link, arm, normal)
-    tangential_row = chain.jacobian(motion, link, arm, tangent)
-    velocities = dot(normal, material), dot(tangent, material)
-    biases = [dot(1j * spin * each, material) + dot(each, change) for each in (normal, tangent)]
-    return Touch(gap, normal_row, tangential_row, velocities, (biases[0], biases[1]))
+    change = motion.acceleration[link] + turning * (moving - motion.velocity[link])
+    change -= 1j * spin * material
+    rows = np.multiply.outer(axes, chain.jacobian(motion, link, arm)).real
+    return Touch(gap, rows, (axes * material).real, (axes * change).real, float(point.real))
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,40 +105,35 @@ class Bar:
     surface: Surface
     compliance: float = 0.0
 
-    def feet(self, chain: Chain, motion: Kinematics) -> tuple[Array, Array]:
-        """Return where the perpendicular from the bar's centre meets each piece, and the gap.
+    def feet(self, chain: Chain, motion: Kinematics) -> Array:
+        """Return where the perpendicular from the bar's centre meets each piece's line.
 
-        Returns:
-            The distance of the perpendicular's foot from the start of the piece, m, which may be
-            beyond the piece; and the gap at the nearest point of the piece, m. The shapes are
-            (..., pieces).
+        It is the distance from the start of the piece, m, shape (..., pieces), and may be beyond
+        the piece.
         """
-        links, starts, directions, lengths = chain.pieces
-        turn = motion.turn[..., links]
-        joint = motion.joint[..., links]
-        origin = joint + starts * turn
-        along = directions * turn
-        foot = (np.conj(along) * (self.centre - origin)).real
-        nearest = origin + np.minimum(np.maximum(foot, 0.0), lengths) * along
-        return foot, np.abs(nearest - self.centre) - self.reach
+        pieces = chain.pieces
+        origins, _ = chain.points(motion, pieces.links, pieces.starts)
+        along = pieces.directions * motion.turn[..., pieces.links]
+        return np.asarray((np.conj(along) * (self.centre - origins)).real)
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
         """Return the gap between the bar and every straight piece, m, shape (..., pieces)."""
-        return self.feet(chain, motion)[1]
+        links, starts, directions, lengths = chain.pieces
+        feet = np.minimum(np.maximum(self.feet(chain, motion), 0.0), lengths)
+        nearest, _ = chain.points(motion, links, starts + feet * directions)
+        return np.asarray(np.abs(nearest - self.centre) - self.reach)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a contact of the bar with a flank or a corner of a wire."""
         link, start, direction, length = (column[point.piece] for column in chain.pieces)
-        origin, _ = chain.points(motion, link, start)
-        along = direction * motion.turn[link]
-        away = length if point.corner else dot(along, self.centre - origin)
+        away = length if point.corner else self.feet(chain, motion)[point.piece]
         place, carried = chain.points(motion, link, start + away * direction)
         distance = abs(place - self.centre)
         normal = (place - self.centre) / distance
         spin = dot(1j * normal, carried) / distance if point.corner else motion.rates[link]
-        surface = self.centre + (distance - self.wire_radius) * normal
         # The place of contact stays on the bar, whose normal turns at ``spin``.
-        moving = 1j * spin * normal * (distance - self.wire_radius)
+        outwards = (distance - self.wire_radius) * normal
+        surface, moving = self.centre + outwards, 1j * spin * outwards
         return touch_of(chain, motion, link, distance - self.reach, normal, surface, spin, moving)
 
 
@@ -207,46 +149,18 @@ class Workpart:
     compliance: float = 0.0  # ratio of the normal to the tangential contact stiffness
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the height of tips and knees above the surface, m, shape (..., corners).
+        """Return the height of each piece's end above the surface, m, shape (..., pieces).
 
-        They are in the order of ``chain.corners``.
+        It is infinite for an end that is neither a tip nor a knee.
         """
-        corners = list(chain.corners)
-        links = chain.pieces.links[corners]
-        places, _ = chain.points(motion, links, chain.pieces.ends[corners])
-        return np.asarray(places.imag + self.depth)
+        places, _ = chain.points(motion, chain.pieces.links, chain.pieces.ends)
+        return np.where(chain.corners, places.imag + self.depth, np.inf)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of the contact of a tip or knee with the surface."""
         link = int(chain.pieces.links[point.piece])
         corner, moving = chain.points(motion, link, chain.pieces.ends[point.piece])
-        gap = corner.imag + self.depth
-        touch = touch_of(chain, motion, link, gap, 1j, corner, 0.0, moving)
-        return touch._replace(along=float(corner.real))
-
-
-def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
-    """Return the obstacles of a tool by name."""
-    found: dict[str, Bar | Workpart] = {}
-    if (bar := tool.bar) is not None:
-        surface = Surface(friction=bar.friction, restitution=bar.restitution)
-        found["bar"] = Bar(
-            complex(*bar.centre), tool.bar_reach, tool.bristle.wire_diameter / 2.0, surface
-        )
-    if tool.workpart is not None:
-        compliance = tool.contact.tangential_compliance
-        found["workpart"] = Workpart(tool.workpart_depth, tool.workpart, compliance)
-    return found
-
-
-def follows(chain: Chain, piece: int) -> bool:
-    """Return whether a straight piece begins at the end of another piece, not at a wire's root."""
-    return piece > 0 and piece - 1 not in chain.tips
-
-
-def dot(first: complex, second: complex) -> float:
-    """Return the scalar product of two vectors."""
-    return float((np.conj(first) * second).real)
+        return touch_of(chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving)
 
 
 class WirePairs:
@@ -255,7 +169,6 @@ class WirePairs:
     The ``piece`` of a contact's ``Point`` is here the index of the pair.
     """
 
-    name = "wire"
     compliance = 0.0
 
     def __init__(self, wires: int, diameter: float, surface: Surface) -> None:
@@ -274,10 +187,10 @@ class WirePairs:
 
         The velocity is that of the first wire relative to the second wire.
         """
-        first, second = wires = self.pairs[point.piece]
-        distance, end, places = self._nearest(chain, motion, first, second)
-        arms = np.array(places) * chain.ends[[first, second]] / chain.length
-        ends, carried = chain.points(motion, [first, second], arms)
+        wires = self.pairs[point.piece]
+        distance, end, places = self._nearest(chain, motion, *wires)
+        arms = np.array(places) * chain.ends[list(wires)] / chain.length
+        ends, carried = chain.points(motion, list(wires), arms)
         normal = complex(ends[0] - ends[1]) / distance
         # An end moves with its wire; the normal turns with the flank, or with the line from end to end.
         if 0.0 < places[1 - end] < chain.length:
@@ -292,11 +205,7 @@ class WirePairs:
             touch_of(chain, motion, link, gap, normal, contact, spin, moving) for link in wires
         )
         return Touch(
-            gap,
-            front.normal_row - back.normal_row,
-            front.tangential_row - back.tangential_row,
-            (front.velocity[0] - back.velocity[0], front.velocity[1] - back.velocity[1]),
-            (front.bias[0] - back.bias[0], front.bias[1] - back.bias[1]),
+            gap, front.rows - back.rows, front.velocity - back.velocity, front.bias - back.bias
         )
 
     @staticmethod
@@ -310,13 +219,38 @@ class WirePairs:
             the points; and the distances of the points from the roots of their wires, m.
         """
         length = chain.length
-        along = chain.ends * motion.turn / chain.length
+        along = chain.ends * motion.turn / length
         found = []
         for end, (own, other) in enumerate(((first, second), (second, first))):
             for at in (0.0, length):
                 apart = motion.joint[own] + at * along[own] - motion.joint[other]
                 foot = min(max(dot(along[other], apart), 0.0), length)
-                found.append(
-                    (abs(apart - foot * along[other]), end, (foot, at) if end else (at, foot))
-                )
+                places = (foot, at) if end else (at, foot)
+                found.append((abs(apart - foot * along[other]), end, places))
         return min(found)
+
+
+Obstacles = Mapping[str, Bar | Workpart | WirePairs]
+
+
+def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
+    """Return the obstacles of a tool by name."""
+    found: dict[str, Bar | Workpart] = {}
+    if (bar := tool.bar) is not None:
+        surface = Surface(friction=bar.friction, restitution=bar.restitution)
+        radius = 0.5 * tool.bristle.wire_diameter
+        found["bar"] = Bar(complex(*bar.centre), tool.bar_reach, radius, surface)
+    if tool.workpart is not None:
+        compliance = tool.contact.tangential_compliance
+        found["workpart"] = Workpart(tool.workpart_depth, tool.workpart, compliance)
+    return found
+
+
+def follows(chain: Chain, piece: int) -> bool:
+    """Return whether a straight piece begins at the end of another piece, not at a wire's root."""
+    return piece > 0 and not chain.tips[piece - 1]
+
+
+def dot(first: complex, second: complex) -> float:
+    """Return the scalar product of two vectors."""
+    return float((np.conj(first) * second).real)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
-from bristle_sim.reference.contacts import Point, Spring, Touch, WirePairs, Workpart, follows
+from bristle_sim.reference.contacts import Point, Touch, Workpart, follows
 from bristle_sim.reference.forces import EDGE, acting, closed
-from bristle_sim.reference.log import Log
-from bristle_sim.reference.system import Instant, State, Sustained, System
+from bristle_sim.reference.state import Compliant, State, Sustained
+from bristle_sim.reference.system import Instant, System
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact, energetic_impact
@@ -25,36 +25,29 @@ MOST_AT_ONCE = 64
 AT_ONCE = 1e-10
 
 
-def close_contact(system: System, log: Log, name: str, piece: int, state: State) -> State:
+def close_contact(system: System, name: str, piece: int, state: State) -> State:
     """Record a touch, resolve the impacts that follow, and determine the contacts that last.
 
-    ``name`` is the obstacle, ``piece`` the index of the straight piece, corner or pair of wires.
+    ``name`` is the obstacle, ``piece`` the index of the straight piece or pair of wires. The bar
+    touches a piece on its flank, at its end, or at its start, the end of the piece before it.
 
     Returns:
         The state after the impacts.
     """
-    new = _place(system, name, piece, state)
-    log.touched(new, state.time)
-    return decide(system, log, state, new)
+    new = Point(name, piece, name == "workpart")
+    if name == "bar":
+        foot = float(system.at(state).feet[piece])
+        new = Point(name, piece, foot >= system.chain.pieces.lengths[piece])
+        if foot <= 0.0 and follows(system.chain, piece):
+            new = Point(name, piece - 1, True)
+    system.log.touched(new, state.time)
+    return decide(system, state, new)
 
 
-def _place(system: System, name: str, piece: int, state: State) -> Point:
-    """Return where a straight piece is touched: on its flank, at its end, or at its start.
-
-    The start of a piece is the corner at the end of the piece before it.
-    """
-    if isinstance(system.obstacles[name], Workpart):
-        return Point(name, system.chain.corners[piece], True)
-    if isinstance(system.obstacles[name], WirePairs):
-        return Point(name, piece, False)
-    foot = float(system.at(state).feet[piece])
-    if foot <= 0.0 and follows(system.chain, piece):
-        return Point(name, piece - 1, True)
-    return Point(name, piece, foot >= system.chain.pieces.lengths[piece])
-
-
-def decide(system: System, log: Log, state: State, new: Point | None = None) -> State:
+def decide(system: System, state: State, new: Point | None = None) -> State:
     """Resolve impacts among the closed contacts, then determine the contacts that stay closed.
+
+    ``new`` is the location of a contact that begins.
 
     Returns:
         The state after the impacts.
@@ -63,89 +56,84 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
         Finished: if the run ends here.
     """
     begun = [] if new is None or new in system.rigid else [_begun(system, state, new)]
-    touching = sorted([*system.sustained, *begun], key=lambda each: each.spring is not None)
-    points = [each.point for each in touching if each.spring is None]
-    state = _low_rebounds_stopped(system, _impacts(system, log, state, points), points)
+    touching = [*system.sustained, *begun]
+    points = [each.point for each in touching if not isinstance(each, Compliant)]
+    state = _low_rebounds_stopped(system, _impacts(system, state, points), points)
     instant = system.at(state)
     still = system.still(state)
-    for each in begun:
-        if each.spring is None:
-            each.since, each.velocity_before = state, (0.0, instant.touch(each.point).velocity[1])
-    resting = [
-        each
-        for each in touching
-        if each.spring or abs(instant.touch(each.point).velocity[0]) <= still
-    ]
-    for each in resting:
-        if each.spring is not None and each.spring.law.compliance:
-            each.slip = _foot(system, instant, each, each.spring)
+    resting = []
+    for each in touching:
+        touch = instant.touch(each.point)
+        if isinstance(each, Compliant):
+            if each.law.compliance:
+                _set_foot(each, touch)
+        elif abs(touch.velocity[0]) > still:
+            continue
+        elif each in begun:
+            each.since = state
+            each.velocity_before = np.array([0.0, touch.velocity[1]])
+        resting.append(each)
     kept = acting(instant.mass, instant.forces, instant.acting(resting), still)
     if kept is None:
-        raise log.jam(state)
-    for number, slip in kept:
+        raise system.log.jam(state)
+    for number, slip in kept.items():
         resting[number].slip = slip
-    staying = [resting[number] for number, _ in kept]
+    staying = [resting[number] for number in kept]
     ending = [each for each in system.sustained if each not in staying]
-    for each in ending:
-        system.sustained.remove(each)
-        record(system, log, state, each, "release" if new is None else new.obstacle)
-    log.check_stop(state, staying)
     system.sustained = staying
+    record(system, state, ending, "release" if new is None else new.obstacle)
+    system.log.check_stop(state, staying)
     for each in [*ending, *(each for each in begun if each not in staying)]:
-        log.released(each.point, state.time)
-    log.check_stop(state, staying)
+        system.log.released(each.point, state.time)
+    system.log.check_stop(state, staying)
     return system.closed(state)
 
 
 def _begun(system: System, state: State, point: Point) -> Sustained:
-    """Return the new contact at a point of a wire, with its spring if it is compliant."""
+    """Return the new contact at a point of a wire, with its springs if it is compliant."""
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
-    spring = None
+    surface = obstacle.surface
     touch = instant.touch(point)
-    if (
-        isinstance(obstacle, Workpart)
-        and (stiffness := _stiffness(instant, touch, point)) is not None
-    ):
-        surface = obstacle.surface
-        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law uses a
-        # mean instead.
-        compliance = obstacle.compliance if obstacle.compliance >= LEAST_COMPLIANCE else 0.0
-        law = ContactSpring(
-            stiffness,
-            surface.restitution,
-            surface.friction,
-            surface.friction_in_restitution,
-            compliance,
-        )
-        spring = Spring(law, touch.gap, touch.along)
-    return Sustained(point, 0, state, touch.velocity, spring)
+    known = (point, surface, state, touch.velocity)
+    stiffness = _stiffness(instant, touch, surface) if isinstance(obstacle, Workpart) else None
+    if stiffness is None:
+        return Sustained(*known)
+    # A stiffer tangential spring is taken as rigid in a contact in time; the impact law uses a mean
+    # instead.
+    compliance = obstacle.compliance if obstacle.compliance >= LEAST_COMPLIANCE else 0.0
+    law = ContactSpring(
+        stiffness,
+        surface.restitution,
+        surface.friction,
+        surface.friction_in_restitution,
+        compliance,
+    )
+    return Compliant(*known, law=law, level=touch.gap, anchor=touch.along)
 
 
-def _stiffness(instant: Instant, touch: Touch, point: Point) -> float | None:
+def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None:
     """Return the stiffness of contacts with the workpart, N/m; None if they are rigid.
 
     At the first contact of any wire the stiffness is computed from the requested duration; it
     belongs to the surface, so all later contacts have it too. For a rigid wire the impact law
-    relates the two. For a wire of several links the contact is taken to be frictionless,
-    and the hinges rigid.
+    relates the two. For a wire of several links the contact is taken to be frictionless, and the
+    hinges rigid.
     """
     system = instant.system
-    chain = instant.system.chain
-    if system.duration is None or system.stiffness is not None:
+    chain = system.chain
+    duration = system.duration
+    if duration is None or system.stiffness is not None:
         return system.stiffness
-    surface = system.obstacles[point.obstacle].surface
-    if len(chain.tips) == 1 and chain.links > 1:
+    if chain.links > chain.wires:
         inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
         lever = touch.along - float(instant.motion.joint[0].real)
-        stiffness = frictionless_stiffness(lever**2 / inertia, surface.restitution, system.duration)
+        system.stiffness = frictionless_stiffness(lever**2 / inertia, surface.restitution, duration)
     else:
-        hit = _impact(instant, touch, surface, 0.0)[0]
-        stiffness = stiffness_for_duration(
-            hit, touch.velocity[0], surface.restitution, system.duration
-        )
-    system.stiffness = stiffness
-    return stiffness
+        hit, _ = _impact(instant, touch, surface, 0.0)
+        approach = float(touch.velocity[0])
+        system.stiffness = stiffness_for_duration(hit, approach, surface.restitution, duration)
+    return system.stiffness
 
 
 def _impact(
@@ -156,75 +144,90 @@ def _impact(
     The second result is the change of the rates, rad/s, per unit normal and per unit tangential
     impulse, shape (links, 2).
     """
-    rows = np.array([touch.normal_row, touch.tangential_row])
-    response = np.linalg.solve(instant.mass, rows.T)
-    inverse_mass = 0.5 * (rows @ response + response.T @ rows.T)
+    response: Array = np.asarray(np.linalg.solve(instant.mass, touch.rows.T), float)
+    inverse_mass = 0.5 * (touch.rows @ response + response.T @ touch.rows.T)
     coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
-    return energetic_impact(
+    hit = energetic_impact(
         inverse_mass, touch.velocity, *coefficients, tangential_compliance=compliance
-    ), response
+    )
+    return hit, response
 
 
-def _foot(system: System, instant: Instant, each: Sustained, spring: Spring) -> int:
-    """Return the sense in which a tangential spring's foot slides, or 0 if it sticks.
+def _set_foot(each: Compliant, touch: Touch) -> None:
+    """Determine the sense in which a tangential spring's foot slides, or let it stick.
 
     If the foot sticks, it is moved so that the force lies within the friction cone.
     """
-    touch = instant.touch(each.point)
-    mu = system.friction(each.point, spring)
-    pull = spring.rub(touch, each.slip) or 0.0
-    most = mu * max(spring.force(touch.gap), 0.0)
-    pull = min(max(pull, -most), most)
+    mu = each.friction
+    most = mu * max(each.force(touch.gap), 0.0)
+    pull = min(max(each.rub(touch) or 0.0, -most), most)
     sense = int(-np.sign(pull) or np.sign(touch.velocity[1]))
-    if not mu or (abs(pull) >= (1.0 - EDGE) * most and spring.foot(touch, sense) > 0.0):
-        return sense or 1
-    spring.stretch(touch, pull)
-    return 0
+    if not mu or (abs(pull) >= (1.0 - EDGE) * most and each.foot(touch, sense) > 0.0):
+        each.slip = sense or 1
+    else:
+        each.anchor = each.law.foot(touch.along, pull)
+        each.slip = 0
 
 
-def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
-    """Record a sustained contact that ends in a state, with its outcome."""
-    normal, tangential = system.at(state).touch(each.point).velocity
-    for own in log.of(each.point):
-        own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
+def record(system: System, state: State, ending: Iterable[Sustained], outcome: str) -> None:
+    """Record sustained contacts that end in a state, with their outcome.
+
+    A contact without a duration is not recorded.
+    """
+    instant = system.at(state)
+    for each in ending:
+        velocity = instant.touch(each.point).velocity
+        law = "compliant"
+        if not isinstance(each, Compliant):
+            velocity = velocity * [0.0, 1.0]
+            law = "sustained"
+        if state.time > each.since.time:
+            for own in system.log.of(each.point):
+                own.contact(each, state, velocity, law, outcome)
 
 
-def end_compression(
-    system: System, log: Log, each: Sustained, spring: Spring, state: State
-) -> State:
+def end_compression(system: System, each: Compliant, state: State) -> State:
     """End the compression of a compliant contact and begin its restitution.
 
     With a coefficient of restitution of 0 the contact ends.
     """
-    spring.deepest = spring.surface - system.at(state).touch(each.point).gap
-    change_phase(system, each, spring, state)
+    each.deepest = each.level - system.at(state).touch(each.point).gap
     each.compression = each.sums
-    return (
-        decide(system, log, state)
-        if spring.law.restitution
-        else end_compliant_contact(system, log, each, state)
-    )
+    if not each.law.restitution:
+        return end_compliant_contact(system, each, state)
+    return change_phase(system, each, state)
 
 
-def change_phase(system: System, each: Sustained, spring: Spring, state: State) -> None:
+def change_phase(system: System, each: Compliant, state: State) -> State:
     """Change a spring from loading to unloading or back.
 
     The tangential force does not change, except that it must lie within the new friction cone.
     """
     touch = system.at(state).touch(each.point)
-    if each.slip and (pull := spring.rub(touch, each.slip)) is not None:
-        spring.stretch(touch, pull)
+    pull = each.rub(touch)
+    if each.slip and pull is not None:
+        each.anchor = each.law.foot(touch.along, pull)
         each.slip = 0
-    spring.loading = not spring.loading
+    each.loading = not each.loading
+    return decide(system, state)
 
 
-def end_compliant_contact(system: System, log: Log, each: Sustained, state: State) -> State:
-    """Record a compliant contact whose force has fallen to zero, and remove it from the system."""
-    rebounds = each.spring is not None and each.spring.law.restitution > 0.0
-    record(system, log, state, each, "rebound" if rebounds else "no rebound")
+def end_compliant_contact(system: System, each: Compliant, state: State) -> State:
+    """Record a compliant contact whose force has fallen to zero, and remove it from the system.
+
+    The wire leaves the workpart in the dent of the contact.
+    """
+    record(system, state, [each], "rebound" if each.law.restitution else "no rebound")
     system.sustained.remove(each)
-    log.released(each.point, state.time)
-    log.check_stop(state, system.sustained)
+    system.dents[each.point.piece] = system.at(state).touch(each.point).gap
+    system.log.released(each.point, state.time)
+    system.log.check_stop(state, system.sustained)
+    return state
+
+
+def leave_dent(system: System, piece: int, state: State) -> State:
+    """Note that a corner of a wire has risen to the undented surface."""
+    del system.dents[piece]
     return state
 
 
@@ -234,7 +237,7 @@ def move_contact(system: System, each: Sustained, point: Point, state: State) ->
     return system.closed(state)
 
 
-def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) -> State:
+def _impacts(system: System, state: State, points: Sequence[Point]) -> State:
     """Resolve the impacts at several points one by one, the fastest approach first.
 
     An impact may cause another one. Raises ``Finished`` if the wires jam.
@@ -244,21 +247,33 @@ def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) ->
         approaches = [instant.touch(point).velocity[0] for point in points]
         if min(approaches) >= -system.still(state):
             break
-        state = _hit(system, log, state, points[int(np.argmin(approaches))])
+        state = _hit(system, state, points[int(np.argmin(approaches))])
     return state
 
 
-def _hit(system: System, log: Log, state: State, point: Point) -> State:
+def _hit(system: System, state: State, point: Point) -> State:
     """Resolve and record one impact by the energetic law; return the state after it."""
+    log = system.log
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
     touch = instant.touch(point)
     hit, response = _impact(instant, touch, obstacle.surface, obstacle.compliance)
     impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
     after = state._replace(rates=state.rates + response @ impulse)
-    log.impacts.append(state.time)
+    works = np.add(hit.compressive_work, hit.restitutive_work)
+    compressive = (hit.compressive_impulse_normal, hit.compressive_impulse_tangential)
+    contact = Sustained(
+        point,
+        obstacle.surface,
+        state,
+        touch.velocity,
+        sums=np.append(impulse, works),
+        compression=np.array([*compressive, *hit.compressive_work], dtype=float),
+    )
+    velocity = np.array([hit.velocity_normal, hit.velocity_tangential], dtype=float)
     for own in log.of(point):
-        own.impact(point, state, after, touch.velocity, hit, system.rate_rounding(state))
+        own.contact(contact, after, velocity, "energetic", hit.outcome_name, hit.phases)
+    log.impacts.append(state.time)
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
     moment = AT_ONCE / max(system.fastest, float(np.abs(after.rates).max()))
@@ -278,7 +293,7 @@ def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point])
     free = np.linalg.solve(instant.mass, instant.forces)
     low = []
     for touch in (instant.touch(point) for point in points):
-        falling = float(touch.normal_row @ free) + touch.bias[0]
+        falling = float(touch.rows[0] @ free) + touch.bias[0]
         parting = touch.velocity[0]
         if falling < 0.0 < parting and parting**2 < -2.0 * falling * LOWEST_REBOUND * system.size:
             low.append(touch)

@@ -1,5 +1,5 @@
-"""Events that end an interval of smooth motion: the touch of an obstacle, or a change of a
-sustained contact."""
+"""Events that end an interval of smooth motion: extremes, the touch of an obstacle, or a change of
+a sustained contact."""
 
 from __future__ import annotations
 
@@ -10,19 +10,21 @@ from typing import NamedTuple
 
 from scipy.optimize import newton
 
-from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
+from bristle_sim.reference.contacts import Point, follows
 from bristle_sim.reference.decisions import (
     change_phase,
     close_contact,
     decide,
     end_compliant_contact,
     end_compression,
+    leave_dent,
     move_contact,
 )
 from bristle_sim.reference.forces import normal_response
-from bristle_sim.reference.log import Finished, Log, Record
-from bristle_sim.reference.system import Instant, State, Sustained, System
-from bristle_sim.settings import StopReason
+from bristle_sim.reference.log import Finished, Record
+from bristle_sim.reference.state import Compliant, State, Sustained
+from bristle_sim.reference.system import Instant, System
+from bristle_sim.settings import LARGEST_RETRACTION, StopReason
 
 Value = Callable[[Instant], float]
 Follow = Callable[
@@ -35,6 +37,8 @@ INSIDE = 1e-13
 PAST = 1e-13
 ROUNDING = 1e-13  # rounding error of an event function, as a fraction of its size
 GAP_ROUNDING = 1e-15  # rounding error of a gap, over hub radius plus length
+IDLE = 10.0  # least relative rate that counts as a highest one, over the rounding error of a rate
+PEAK = "highest relative speed"
 
 LOCKED = 1e-6
 """Normal acceleration per unit normal force with friction, over its value without friction, below
@@ -53,6 +57,8 @@ class Event(NamedTuple):
         follow: function that applies the consequence of the event to the state.
         place: obstacle and piece whose gap the function is, or None. A gap is not evaluated while
             it is far from closing.
+        extreme: whether the function may have either sign at the start of the interval. Any other
+            event happens at once if the function begins with its sign after the event.
     """
 
     value: Value
@@ -60,90 +66,137 @@ class Event(NamedTuple):
     resolution: float
     follow: Follow
     place: tuple[str, int] | None = None
+    extreme: bool = False
 
 
-def events_of(system: System, log: Log, state: State) -> list[Event]:
+def events_of(system: System, state: State) -> list[Event]:
     """Return the events that can end the interval that begins at a state."""
+    instant = system.at(state)
+    found = _touch_events(system, instant)
+    for own in system.log.records:
+        found += _wire_events(system, instant, own)
+    for number, each in enumerate(system.sustained):
+        if isinstance(each, Compliant):
+            found += _spring_events(system, each)
+        else:
+            found += _force_events(system, instant, number)
+        if each.friction:
+            found.append(_friction_event(system, instant, number))
+        if each.point.obstacle == "bar":
+            found += _place_events(system, instant, each)
+    return found
 
-    def upright(own: Record, instant: Instant) -> float:
-        return (0.5 * math.pi) ** 2 - own.relative(instant.state) ** 2
 
-    def lies_down(own: Record, state: State) -> State:
+def beyond(
+    value: Value, direction: int, margin: float, instant: Instant, zero: float = 0.0
+) -> Value:
+    """Return the excess of a function over ``zero``, shifted so that it begins before its event by
+    a margin or more.
+
+    ``instant`` is the start of the interval.
+    """
+    level = zero + direction * (max(direction * (value(instant) - zero), 0.0) + margin)
+    return lambda at: value(at) - level
+
+
+def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
+    """Return the extremes of a wire's motion relative to the hub, and the limit of its retraction.
+
+    For a wire of several links the highest rate is no event: its hinges vibrate, so that the rate
+    of its first link has several maxima.
+    """
+    link = own.links.start
+    rounding = system.rate_rounding(instant.state)
+
+    def rate(at: Instant) -> float:
+        return float(at.state.rates[link] - system.chain.speed)
+
+    def acceleration(at: Instant) -> float:
+        return float(at.balance.accelerations[link])
+
+    def upright(at: Instant) -> float:
+        return (0.5 * math.pi) ** 2 - own.relative(at.state) ** 2
+
+    def extreme(name: str, state: State) -> State:
+        if name == LARGEST_RETRACTION or rate(system.at(state)) > IDLE * rounding:
+            own.event(name, state.time)
+            system.log.check_stop(state, system.sustained)
+        return state
+
+    def lies_down(state: State) -> State:
         """End the run where a wire leans over by 90 degrees and meets the hub."""
         own.event("retraction limit", state.time)
         raise Finished(StopReason.RETRACTION_LIMIT, state)
 
-    found = _touch_events(system, log, state)
-    found += [
-        Event(partial(upright, own), -1, ROUNDING, partial(lies_down, own)) for own in log.records
+    found = [
+        Event(upright, -1, ROUNDING, lies_down),
+        Event(rate, 1, rounding, partial(extreme, LARGEST_RETRACTION), extreme=True),
     ]
-    for number, each in enumerate(system.sustained):
-        if each.spring is None:
-            found += _force_events(system, log, number)
-        else:
-            found += _spring_events(system, log, each, each.spring)
-        found += _friction_events(system, log, state, number)
-        if isinstance(system.obstacles[each.point.obstacle], Bar):
-            found += _place_events(system, state, each)
+    touched = any(each.touch.rows[0, link] for each in instant.contacts)
+    if own.chain.links == 1 and not touched:
+        resolution = rounding * system.fastest
+        found.append(Event(acceleration, -1, resolution, partial(extreme, PEAK), extreme=True))
     return found
 
 
-def _touch_events(system: System, log: Log, state: State) -> list[Event]:
+def _touch_events(system: System, instant: Instant) -> list[Event]:
     """Return the events at which a wire touches an obstacle or leaves the dent of a contact."""
     inside = INSIDE * system.size
     found = []
 
-    def gap(name: str, piece: int, level: float, instant: Instant) -> float:
-        return float(instant.gaps(name)[piece]) - level
+    def gap(name: str, piece: int, at: Instant) -> float:
+        return float(at.gaps(name)[piece])
 
     for name in system.obstacles:
-        for piece, now in enumerate(system.at(state).gaps(name).tolist()):
+        dents = system.dents if name == "workpart" else {}
+        for piece in range(len(instant.gaps(name))):
             if _shadowed(system, name, piece):
                 continue
-            place = (name, piece)
-            value = partial(gap, name, piece, min(now, 0.0) - inside)
-            found.append(
-                Event(
-                    value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), place
-                )
-            )
-            if now < -10.0 * inside and name == "workpart" and system.stiffness:
-                found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, place))
+            own = partial(gap, name, piece)
+            touch = beyond(own, -1, inside, instant, dents.get(piece, 0.0))
+            follow = partial(close_contact, system, name, piece)
+            found.append(Event(touch, -1, 0.1 * inside, follow, (name, piece)))
+            if piece in dents:
+                leave = partial(leave_dent, system, piece)
+                found.append(Event(own, 1, inside, leave, (name, piece)))
     return found
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Return whether a straight piece is in contact already where it could touch an obstacle."""
+    """Return whether a straight piece is in contact already where it could touch an obstacle.
+
+    The bar also touches a piece at its start, the end of the piece before it.
+    """
+    before = piece - 1 if obstacle == "bar" and follows(system.chain, piece) else None
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
-    if isinstance(system.obstacles[obstacle], Workpart):
-        return any(point.piece == system.chain.corners[piece] for point in points)
-    before = piece - 1 if follows(system.chain, piece) else None
     return any(point.piece == piece or (point.corner and point.piece == before) for point in points)
 
 
-def _force_events(system: System, log: Log, number: int) -> list[Event]:
+def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
     """Return the events of a rigid sustained contact's force.
 
     The normal force falls to zero, or friction locks the contact. ``number`` is the index of the
     contact.
     """
     acceleration = ROUNDING * system.size * system.fastest**2
+    acting = instant.contacts[number]
 
     def pressing(at: Instant) -> float:
         """Return the normal acceleration that the normal force causes, m/s^2.
 
         It has the sign of the normal force, and stays bounded where friction locks the contact.
         """
-        acting = at.contacts[number]
-        response = normal_response(at.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
-        # Beyond zero by rounding, so that the decision that follows finds the contact open.
-        return float(at.balance.normal[number]) * response + acceleration
+        touch = at.contacts[number].touch
+        ratio = 0.0 if acting.sticks else acting.ratio
+        return float(at.balance.pushes[number, 0]) * normal_response(at.mass, touch, ratio)
 
     def free(at: Instant) -> float:
-        """Return the normal acceleration per unit force, with friction over without friction."""
+        """Return the excess of the normal acceleration per unit force, with friction over without
+        friction, above its value near locking.
+        """
         touch = at.contacts[number].touch
-        ratio = at.contacts[number].ratio
-        return normal_response(at.mass, touch, ratio) / normal_response(at.mass, touch, 0.0)
+        with_friction = normal_response(at.mass, touch, acting.ratio)
+        return with_friction / normal_response(at.mass, touch, 0.0) - LOCKED
 
     def lock(state: State) -> State:
         """Find the time at which friction locks the contact, and end the run at that time."""
@@ -151,124 +204,109 @@ def _force_events(system: System, log: Log, number: int) -> list[Event]:
         def ahead(time: float) -> State:
             return State(state.time + time, state.angles + time * state.rates, state.rates)
 
-        scale = LOCKED / system.fastest
-        time = float(
-            newton(
-                lambda time: free(system.at(ahead(time))),
-                0.0,
-                x1=scale,
-                tol=1e-6 * scale,
-                disp=False,
-            )
-        )
-        raise log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
+        def ratio(time: float) -> float:
+            return free(system.at(ahead(time))) + LOCKED
 
-    found = [Event(pressing, -1, acceleration, partial(decide, system, log))]
-    if system.sustained[number].slip and system.friction(system.sustained[number].point):
-        found.append(Event(lambda at: free(at) - LOCKED, -1, 1e-3 * LOCKED, lock))
+        scale = LOCKED / system.fastest
+        time = float(newton(ratio, 0.0, x1=scale, tol=1e-6 * scale, disp=False))
+        raise system.log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
+
+    # Beyond zero by rounding, so that the decision that follows finds the contact open.
+    opens = beyond(pressing, -1, acceleration, instant)
+    found = [Event(opens, -1, acceleration, partial(decide, system))]
+    if acting.slip and acting.friction:
+        found.append(Event(free, -1, 1e-3 * LOCKED, lock))
     return found
 
 
-def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
+def _spring_events(system: System, each: Compliant) -> list[Event]:
     """Return the events of a compliant contact's normal spring.
 
     In loading, compression ends. In unloading, the force falls to zero or the spring loads again.
     """
     speed = ROUNDING * system.size * system.fastest
-    depth = max(ROUNDING * spring.deepest, GAP_ROUNDING * system.size)
-
-    def opening(instant: Instant) -> float:
-        return instant.touch(each.point).velocity[0]
-
-    def above(level: float, instant: Instant) -> float:
-        return spring.surface - instant.touch(each.point).gap - level
-
-    def reload(state: State) -> State:
-        change_phase(system, each, spring, state)
-        return decide(system, log, state)
-
-    if spring.loading:
-        return [Event(opening, 1, speed, partial(end_compression, system, log, each, spring))]
+    depth = max(ROUNDING * each.deepest, GAP_ROUNDING * system.size)
     # The margin exceeds the rounding of a gap; otherwise the contact would unload and load at one
     # instant.
-    deeper = partial(above, spring.deepest + ROUNDING * system.size)
+    deeper = each.deepest + ROUNDING * system.size
+
+    def opening(at: Instant) -> float:
+        return float(at.touch(each.point).velocity[0])
+
+    def above(level: float, at: Instant) -> float:
+        return each.level - at.touch(each.point).gap - level
+
+    if each.loading:
+        return [Event(opening, 1, speed, partial(end_compression, system, each))]
+    ends = partial(end_compliant_contact, system, each)
     return [
-        Event(
-            partial(above, spring.left),
-            -1,
-            depth,
-            partial(end_compliant_contact, system, log, each),
-        ),
-        Event(deeper, 1, depth, reload),
+        Event(partial(above, each.law.residual(each.deepest)), -1, depth, ends),
+        Event(partial(above, deeper), 1, depth, partial(change_phase, system, each)),
     ]
 
 
-def _friction_events(system: System, log: Log, state: State, number: int) -> list[Event]:
+def _friction_event(system: System, instant: Instant, number: int) -> Event:
     """Return the event at which the slip of a sustained contact stops or, in stick, begins.
 
-    ``number`` is the index of the contact. Without friction there is no event.
+    ``number`` is the index of the contact.
     """
     each = system.sustained[number]
-    go_on = partial(decide, system, log)
-    mu = system.friction(each.point, each.spring)
-    slip = each.slip
     speed = system.size * system.fastest
-    force = ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
-    if each.spring is not None:
-        law = each.spring.law
+    force = ROUNDING * speed * system.fastest * system.chain.masses.sum()
+    if isinstance(each, Compliant):
+        law = each.law
         steepest = law.stiffness / min(1.0, law.restitution**2 or 1.0, law.compliance or 1.0)
         force += steepest * GAP_ROUNDING * system.size
+    # The contact may change during an event, but the slip of the interval is that at its start.
+    slip = each.slip
 
     def sliding(at: Instant) -> float:
         touch = at.contacts[number].touch
-        return each.spring.foot(touch, slip) if each.spring else slip * touch.velocity[1]
+        if isinstance(each, Compliant):
+            return each.foot(touch, slip)
+        return slip * float(touch.velocity[1])
 
     def cone(at: Instant) -> float:
-        return float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))
+        normal, tangential = at.balance.pushes[number].tolist()
+        return float(each.friction * normal - abs(tangential))
 
-    def beyond(value: Value, rounding: float) -> Value:
-        """Return a function shifted so that it begins above zero by its rounding error or more."""
-        level = min(value(system.at(state)), 0.0) - rounding
-        return lambda at: value(at) - level
-
-    if not mu:
-        return []
+    go_on = partial(decide, system)
     if slip:  # slip after stick starts from a velocity that is rounding, of either sign
-        return [Event(beyond(sliding, 1e-3 * system.still(state)), -1, ROUNDING * speed, go_on)]
-    return [Event(beyond(cone, force) if each.spring else cone, -1, force, go_on)]
+        margin = 1e-3 * system.still(instant.state)
+        return Event(beyond(sliding, -1, margin, instant), -1, ROUNDING * speed, go_on)
+    return Event(beyond(cone, -1, force, instant), -1, force, go_on)
 
 
-def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
+def _place_events(system: System, instant: Instant, each: Sustained) -> list[Event]:
     """Return the events at which a contact with the bar passes from flank to corner or back."""
-    (name, index, corner), feet = each.point, system.at(state).feet
+    name, index, corner = each.point
     length = float(system.chain.pieces.lengths[index])
     past = PAST * system.chain.length
 
-    def event(piece: int, end: float, direction: int, point: Point) -> Event:
-        """Return the event at which the contact passes an end of a straight piece.
+    def foot(piece: int, at: Instant) -> float:
+        return float(at.feet[piece])
 
-        ``end`` is the distance of this end from the piece's start, m. ``direction`` is 1 or -1
-        along the piece. ``point`` is the location of the contact after the event.
-        """
-        # A contact beyond the end by rounding passes it only when it has moved on by the margin.
-        level = direction * (max(direction * end, direction * float(feet[piece])) + past)
-        foot = lambda instant: float(instant.feet[piece]) - level  # noqa: E731
-        return Event(
-            foot,
-            direction,
-            ROUNDING * system.chain.length,
-            partial(move_contact, system, each, point),
-        )
-
+    # For each passage the piece, the distance of its passed end from its start, the direction along
+    # the piece, and the location of the contact after the event.
     if corner:
-        passes = [
+        passages = [
             (index, length, -1, Point(name, index, False)),
             (index + 1, 0.0, 1, Point(name, index + 1, False)),
         ]
     else:
-        passes = [
+        passages = [
             (index, length, 1, Point(name, index, True)),
             (index, 0.0, -1, Point(name, index - 1, True)),
         ]
-    # Nothing precedes a wire's root or follows its tip.
-    return [event(*each) for each in passes[: 2 if follows(system.chain, index + corner) else 1]]
+    if not follows(system.chain, index + corner):  # nothing precedes a root or follows a tip
+        passages.pop()
+    resolution = ROUNDING * system.chain.length
+    return [
+        Event(
+            beyond(partial(foot, piece), direction, past, instant, end),
+            direction,
+            resolution,
+            partial(move_contact, system, each, point),
+        )
+        for piece, end, direction, point in passages
+    ]

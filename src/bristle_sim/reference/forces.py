@@ -53,8 +53,7 @@ class Acting(NamedTuple):
         """
         if self.slip != STICK or self.friction <= 0.0 or self.rub is not None:
             return False
-        rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
-        return self.push is not None or int(np.count_nonzero(rows.sum(axis=0))) > 1
+        return self.push is not None or int(np.count_nonzero(self.touch.rows.any(axis=0))) > 1
 
     @property
     def ratio(self) -> float:
@@ -63,45 +62,55 @@ class Acting(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """Accelerations of the links, rad/s^2, and normal and tangential forces of the contacts, N."""
+    """Accelerations of the links, rad/s^2, and forces of the contacts, N.
+
+    ``pushes`` holds the (normal, tangential) force of each contact, shape (contacts, 2).
+    """
 
     accelerations: Array
-    normal: Array
-    tangential: Array
+    pushes: Array
 
 
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Return the accelerations and the contact forces that solve the equations of motion."""
+    if not contacts:
+        return Balance(np.asarray(np.linalg.solve(mass, forces), float), np.zeros((0, 2)))
     size = len(forces)
     known = np.array(forces, dtype=float)
-    rigid = [each for each in contacts if each.push is None]
-    sticking = [each for each in contacts if each.sticks]
+    # For each unknown force its effect on the links, and the row and bias that it must keep at rest.
+    effects: list[Array] = []
+    rows: list[Array] = []
+    biases: list[float] = []
     for each in contacts:
-        if each.push is not None:
+        normal, tangential = each.touch.rows
+        if each.push is None:
+            effects.append(normal + each.ratio * tangential)
+            rows.append(normal)
+            biases.append(each.touch.bias[0])
+        else:
             rub = each.ratio * each.push if each.rub is None else each.rub
-            known += each.push * each.touch.normal_row + rub * each.touch.tangential_row
-    across = [each.touch.normal_row for each in rigid]
-    along = [each.touch.tangential_row for each in sticking]
-    pushed = [each.touch.normal_row + each.ratio * each.touch.tangential_row for each in rigid]
-    biases = [each.touch.bias[0] for each in rigid] + [each.touch.bias[1] for each in sticking]
-    matrix = np.zeros((size + len(biases), size + len(biases)))
+            known += each.push * normal + rub * tangential
+        if each.sticks:
+            effects.append(tangential)
+            rows.append(tangential)
+            biases.append(each.touch.bias[1])
+    matrix = np.zeros((size + len(rows), size + len(rows)))
     matrix[:size, :size] = mass
-    matrix[size:, :size] = np.reshape([*across, *along], (-1, size))
-    matrix[:size, size:] = -np.reshape([*pushed, *along], (-1, size)).T
-    found = np.linalg.solve(matrix, np.concatenate([known, np.negative(biases)]))
-    pushes = iter(found[size : size + len(rigid)])
-    pulls = iter(found[size + len(rigid) :])
-    normal = [next(pushes) if each.push is None else each.push for each in contacts]
-    tangential = [
-        next(pulls) if each.sticks else each.ratio * push if each.rub is None else each.rub
-        for each, push in zip(contacts, normal, strict=True)
-    ]
-    return Balance(found[:size], np.array(normal), np.array(tangential))
+    matrix[size:, :size] = np.reshape(rows, (-1, size))
+    matrix[:size, size:] = -np.reshape(effects, (-1, size)).T
+    found = np.linalg.solve(matrix, np.append(known, np.negative(biases)))
+    unknown = iter(found[size:].tolist())
+    pushes = []
+    for each in contacts:
+        push = next(unknown) if each.push is None else each.push
+        slipping = each.ratio * push if each.rub is None else each.rub
+        pushes.append((push, next(unknown) if each.sticks else slipping))
+    return Balance(found[:size], np.reshape(pushes, (-1, 2)))
 
 
 def acting(
     mass: Array, forces: Array, contacts: Sequence[Acting], still: float
-) -> tuple[tuple[int, int], ...] | None:
+) -> dict[int, int] | None:
     """Return the closed contacts that stay closed, with stick or slip of each of them.
 
     All combinations of stick, slip and opening are tried. The result is None if no combination
@@ -115,12 +124,13 @@ def acting(
         still: tangential velocity below which a contact may stick, m/s.
 
     Returns:
-        For each contact that stays closed its index and the sign of its slip, 0 for stick.
+        The sign of the slip, 0 for stick, of each contact that stays closed, by its index.
     """
     options: list[tuple[int | None, ...]] = []
     for each in contacts:
-        may_stick = each.friction > 0.0 and abs(each.touch.velocity[1]) <= still
-        slips = (STICK, 1, -1) if may_stick else (int(np.sign(each.touch.velocity[1])) or 1,)
+        along = float(each.touch.velocity[1])
+        may_stick = each.friction > 0.0 and abs(along) <= still
+        slips = (STICK, 1, -1) if may_stick else (int(np.sign(along)) or 1,)
         slips = slips if each.rub is None else (each.slip,)
         options.append(slips if each.push is not None else (*slips, None))
     for modes in itertools.product(*options):
@@ -128,7 +138,7 @@ def acting(
             i: contacts[i]._replace(slip=mode) for i, mode in enumerate(modes) if mode is not None
         }
         if _consistent(mass, forces, contacts, chosen, still):
-            return tuple((i, each.slip) for i, each in chosen.items())
+            return {i: each.slip for i, each in chosen.items()}
     return None
 
 
@@ -137,21 +147,20 @@ def _consistent(
 ) -> bool:
     """Return whether a combination of closed and opening contacts obeys the equations of motion.
 
-    Every contact in ``chosen`` must push, with a force within its friction cone. All other contacts
-    must open.
+    Every contact in ``chosen`` must obey Coulomb's law. All other contacts must open.
     """
     try:
-        found = balance(mass, forces, tuple(chosen.values()))
+        accelerations, pushes = balance(mass, forces, tuple(chosen.values()))
     except np.linalg.LinAlgError:  # more contacts than the links can keep closed
         return False
     others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
-    if any(touch.normal_row @ found.accelerations + touch.bias[0] < 0.0 for touch in others):
+    if any(touch.rows[0] @ accelerations + touch.bias[0] < 0.0 for touch in others):
         return False
-    pushes = zip(chosen.values(), found.normal, found.tangential, strict=True)
-    rigid = [(each, normal, tangential) for each, normal, tangential in pushes if each.rub is None]
+    free = np.asarray(np.linalg.solve(mass, forces), float)
     return all(
-        _in_cone(mass, *each) and _slips_on(mass, forces, found.accelerations, each[0], still)
-        for each in rigid
+        each.rub is not None
+        or (_in_cone(mass, each, *push) and _slips_on(each, accelerations, free, still))
+        for each, push in zip(chosen.values(), pushes.tolist(), strict=True)
     )
 
 
@@ -168,18 +177,18 @@ def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> boo
     return not each.sticks or abs(tangential) <= (1.0 - EDGE) * each.friction * normal
 
 
-def _slips_on(mass: Array, forces: Array, accelerations: Array, each: Acting, still: float) -> bool:
+def _slips_on(each: Acting, accelerations: Array, free: Array, still: float) -> bool:
     """Return whether the tangential acceleration of a contact agrees with its assumed slip.
 
     A contact that begins to slip must accelerate in the sense of its slip. A contact that rests
-    without a friction force must not accelerate. All other contacts agree.
+    without a friction force must not accelerate. All other contacts agree. ``free`` holds the
+    accelerations of the links without contacts, rad/s^2.
     """
     if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
         return True
-    terms = (*each.touch.tangential_row * accelerations, each.touch.bias[1])
-    cancelled = each.touch.tangential_row * np.linalg.solve(mass, forces)
-    rounding = EDGE * float(np.abs([*terms, *cancelled]).max())
-    begins = float(sum(terms))
+    row, bias = each.touch.rows[1], each.touch.bias[1]
+    begins = float(row @ accelerations + bias)
+    rounding = EDGE * float(np.abs([*row * accelerations, *row * free, bias]).max())
     return each.slip * begins >= -rounding if each.slip else abs(begins) <= rounding
 
 
@@ -190,9 +199,8 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
     the ratio f of the tangential to the normal force. If it is not positive, friction locks the
     contact.
     """
-    return float(
-        touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row)
-    )
+    normal, tangential = touch.rows
+    return float(normal @ np.linalg.solve(mass, normal + ratio * tangential))
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
@@ -200,7 +208,7 @@ def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
 
     The changes are smallest in the norm of the mass matrix.
     """
-    rows = np.array([touch.normal_row for touch in touches])
+    rows = np.array([touch.rows[0] for touch in touches])
     response = np.linalg.solve(mass, rows.T)
     amounts = np.array([[touch.gap, touch.velocity[0]] for touch in touches])
     changes = -response @ np.linalg.solve(rows @ response, amounts)

@@ -22,7 +22,6 @@ the hub angle psi_k + omega t. Only contacts couple the links of two wires.
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import Any, NamedTuple
 
@@ -84,63 +83,67 @@ class Chain:
     Arrays run over the links of all wires, or over their straight pieces.
 
     Attributes:
-        masses, inertias: mass of each piece, and its moment of inertia about its middle.
+        wires, links: number of wires, and number of links of all wires.
+        start_hub_angles: hub angle at the start, rad, of each link's wire.
+        pieces: straight pieces of the centre lines.
+        middles: vector from the link's first joint to the middle of each piece, m.
+        ends: vector from the first joint to the end of each link, m.
+        arms: matrix of the vectors a_ij of the module's docstring, m, shape (pieces, links).
+        masses, inertias: mass of each piece, kg, and its moment of inertia about its middle, kg m^2.
         before: matrix with a 1 in row k and column i if link k is before link i on its wire.
         first: array with a 1 for each link that begins a wire.
         apart: matrix that turns the angles of the links into differences from the link before.
-        tips: indices of the pieces that end at a wire's tip.
-        corners: indices of the pieces whose end can touch a flat surface, at the tip or at a knee.
+        tips: whether each piece ends at a wire's tip.
+        corners: whether each piece's end can touch a flat surface, at a tip or at a knee.
+        stiffness, damping: constants of the torsion spring, N m/rad, and of the damper, N m s/rad,
+            in each link's first joint.
     """
 
     def __init__(self, tool: Tool, *start_hub_angles: float) -> None:
         """Divide a tool's bristle into links, for one wire per hub angle at which a wire starts."""
         bristle = tool.bristle
-        links = tool.bristle.links
+        links = bristle.links
         count = len(start_hub_angles)
         self.speed = tool.hub.speed
         self.hub_radius = tool.hub.radius
         self.gravity = tool.gravity
         self.length = bristle.length
+        self.wires = count
         self.links = links * count
         self.start_hub_angles = np.repeat(start_hub_angles, links)
         self.start_roots = -1j * self.hub_radius * np.exp(1j * self.start_hub_angles)
-        self.speeds = np.full(self.links, self.speed)
-        lone = _cut(bristle, links)
-        own = np.tile(lone.links, count) + np.repeat(links * np.arange(count), len(lone.links))
-        shapes: Any = [np.tile(each, count) for each in lone[1:]]
-        self.pieces = pieces = Pieces(own, *shapes)
-        self.middles = (
-            pieces.starts + 0.5 * pieces.lengths * pieces.directions
-        )  # from the links' joints
+        lone = _cut(bristle)
+        own = np.add.outer(links * np.arange(count), lone.links).ravel()
+        starts, directions, lengths = np.tile(lone[1:], count)
+        self.pieces = Pieces(own, starts, directions, lengths.real)
+        self.middles = self.pieces.starts + 0.5 * self.pieces.lengths * self.pieces.directions
         self.ends = np.zeros(self.links, dtype=complex)
-        self.ends[own] = pieces.ends  # the last piece of each link
-        self.masses = bristle.mass * pieces.lengths / bristle.length
-        self.inertias = self.masses * pieces.lengths**2 / 12.0
+        self.ends[own] = self.pieces.ends  # the last piece of each link
+        self.masses = bristle.mass * self.pieces.lengths / bristle.length
+        self.inertias = self.masses * self.pieces.lengths**2 / 12.0
         self.before = np.kron(np.eye(count), np.tri(links, k=-1).T).astype(complex)
-        arms = (self.before.T * self.ends)[own]
-        arms[np.arange(len(own)), own] = self.middles
-        self.products = np.conj(arms).T @ (self.masses[:, None] * arms)
-        self.moments = self.masses @ arms
+        self.arms = (self.before.T * self.ends)[own]
+        self.arms[np.arange(len(own)), own] = self.middles
+        self.products = np.conj(self.arms).T @ (self.masses[:, None] * self.arms)
         self.inertia_matrix = np.diag(np.bincount(own, self.inertias))
         self.first = np.tile(np.arange(links) == 0, count).astype(float)
         self.apart = np.eye(self.links) - np.kron(np.eye(count), np.eye(links, k=1))
-        self.tips = frozenset(range(len(lone.links) - 1, len(own), len(lone.links)))
-        bends = np.flatnonzero(pieces.directions[1:] != pieces.directions[:-1]).tolist()
-        self.corners = tuple(sorted({*bends} | self.tips))
-        hinge, damper = _hinge(tool)
+        self.tips = np.tile(np.arange(len(lone.links)) == len(lone.links) - 1, count)
+        bends = self.pieces.directions[1:] != self.pieces.directions[:-1]
+        self.corners = self.tips | np.append(bends, True)
+        hinge = 0.0
+        damper = 0.0
+        if links > 1:
+            wire = bristle.length, bristle.wire_diameter, bristle.modulus
+            held = tool.belt.stiffness, bristle.bending_damping_ratio, links
+            hinge = hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, links)
+            damper = hinge_damping(bristle.mass, *wire, *held)
         self.stiffness = np.tile([tool.belt.stiffness] + [hinge] * (links - 1), count)
         self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 
-    def hub_angle(self, time: Any) -> Any:
-        """Return the hub angle of the first wire at a time in s, rad."""
-        return self.start_hub_angles[0] + self.speed * time
-
-    def _hub_angles(self, time: Any) -> Array:
-        return np.asarray(self.start_hub_angles + np.multiply.outer(time, self.speeds))
-
-    def roots(self, time: Any) -> Any:
-        """Return the position of the root of each link's wire, m, shape (..., links)."""
-        return np.multiply.outer(np.exp(1j * self.speed * time), self.start_roots)
+    def hub_angles(self, time: Any) -> Array:
+        """Return the hub angle of each link's wire, rad, shape (..., links)."""
+        return np.asarray(np.add.outer(self.speed * time, self.start_hub_angles))
 
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix for given directions e^{i theta} of the links, kg m^2."""
@@ -148,20 +151,18 @@ class Chain:
             (np.conj(turn)[:, None] * self.products * turn).real + self.inertia_matrix
         )
 
-    def forces(self, time: float, angles: Array, rates: Array, turn: Complexes) -> Array:
+    def forces(self, time: float, angles: Array, motion: Kinematics) -> Array:
         """Return the generalized forces on the links without contacts, N m.
 
-        They come from inertia at constant rates, belt, hinges and gravity. ``turn`` holds the
-        directions e^{i theta} of the links.
+        They come from inertia at constant rates, belt, hinges and gravity.
         """
-        # c_i'' contains -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
-        inertia = -(1j * np.conj(turn) * ((turn * rates**2) @ self.products.T)).real
-        carried = -(self.speed**2) * self.roots(time) + 1j * self.gravity
-        inertia -= (np.conj(1j * self.moments * turn) * carried).real
-        torques = self.stiffness * self._twists(angles, self._hub_angles(time))
-        if self.damping.any():
-            torques += self.damping * self._twists(rates, self.speed)
-        return np.asarray(inertia - torques @ self.apart.T)
+        turned = self.middles * motion.turn[self.pieces.links]
+        rates = motion.rates[self.pieces.links]
+        carried = motion.acceleration[self.pieces.links] - rates**2 * turned + 1j * self.gravity
+        inertia = (np.conj(1j * motion.turn) * ((self.masses * carried) @ np.conj(self.arms))).real
+        torques = self.stiffness * self._twists(angles, self.hub_angles(time))
+        torques += self.damping * self._twists(motion.rates, self.speed)
+        return np.asarray(-inertia - torques @ self.apart.T)
 
     def _twists(self, values: Array, hub: Any) -> Array:
         """Return the value of each link less the value of the link before it.
@@ -173,7 +174,7 @@ class Chain:
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return the positions and the motion of the links' first joints."""
         turn = np.exp(1j * angles)
-        root = self.roots(time)
+        root = np.multiply.outer(np.exp(1j * self.speed * time), self.start_roots)
         arms = self.ends * turn
         return Kinematics(
             turn,
@@ -183,14 +184,13 @@ class Chain:
             -(self.speed**2) * root - (rates**2 * arms) @ self.before,
         )
 
-    def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:
+    def jacobian(self, motion: Kinematics, link: int, arm: complex) -> Complexes:
         """Return the derivatives of a point's velocity with respect to the rates of the links, m.
 
         ``arm`` is the vector from the link's first joint to the point, in the axes of the plane.
-        The velocity is taken along ``direction``.
         """
-        row = (np.conj(direction) * 1j * self.ends * motion.turn).real * self.before[:, link].real
-        row[link] = (np.conj(direction) * 1j * arm).real
+        row = 1j * self.ends * motion.turn * self.before[:, link]
+        row[link] = 1j * arm
         return np.asarray(row)
 
     def points(self, motion: Kinematics, links: Any, arms: Any) -> tuple[Any, Any]:
@@ -217,14 +217,12 @@ class Chain:
 
         Belt, hinges and gravity contribute to the potential energy.
         """
-        twists = self._twists(angles, self._hub_angles(time))
         links = self.pieces.links
-        motion = self.kinematics(time, angles, rates)
-        places, velocities = self.points(motion, links, self.middles)
+        places, velocities = self.points(self.kinematics(time, angles, rates), links, self.middles)
         moving = self.masses * np.abs(velocities) ** 2 + self.inertias * rates[..., links] ** 2
-        springs = (0.5 * self.stiffness * twists**2).sum(axis=-1)
+        springs = 0.5 * self.stiffness * self._twists(angles, self.hub_angles(time)) ** 2
         weights = self.gravity * (self.masses * places.imag).sum(axis=-1)
-        return 0.5 * moving.sum(axis=-1), springs + weights
+        return 0.5 * moving.sum(axis=-1), springs.sum(axis=-1) + weights
 
     @property
     def fastest_rate(self) -> float:
@@ -236,7 +234,7 @@ class Chain:
         """
         springs = (self.apart * self.stiffness) @ self.apart.T
         dampers = (self.apart * self.damping) @ self.apart.T
-        weight = self.masses.sum() / self.first.sum() * self.length
+        weight = self.masses.sum() / self.wires * self.length
         field = weight * (self.hub_radius * self.speed**2 + self.gravity) * np.eye(self.links)
         inverse = np.linalg.inv(self.mass_matrix(np.ones(self.links, dtype=complex)))
         square, decay = (
@@ -246,30 +244,18 @@ class Chain:
         return math.sqrt(square) + decay + self.speed
 
 
-def _hinge(tool: Tool) -> tuple[float, float]:
-    """Return the stiffness, N m/rad, and the damping, N m s/rad, of a hinge between two links."""
-    bristle = tool.bristle
-    links = tool.bristle.links
-    if links == 1:
-        return 0.0, 0.0
-    wire = (bristle.length, bristle.wire_diameter, bristle.modulus)
-    zeta = bristle.bending_damping_ratio
-    damping = hinge_damping(bristle.mass, *wire, tool.belt.stiffness, zeta, links) if zeta else 0.0
-    return hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, links), damping
-
-
-def _cut(bristle: Bristle, links: int) -> Pieces:
+def _cut(bristle: Bristle) -> Pieces:
     """Divide a wire's centre line into equally long links, and the links into straight pieces."""
-    corners = [0j, *(complex(*corner) for corner in bristle.path)]
-    borders = [bristle.length * number / links for number in range(links + 1)]
-    cut: list[tuple[int, complex, complex, float]] = []
-    passed = 0.0
-    for start, end in itertools.pairwise(corners):
-        size = abs(end - start)
-        for link, (low, high) in enumerate(itertools.pairwise(borders)):
-            length = min(high, passed + size) - max(low, passed)
-            if length > 1e-12 * bristle.length:
-                before = [begin + way * long for own, begin, way, long in cut if own == link]
-                cut.append((link, before[-1] if before else 0j, (end - start) / size, length))
-        passed += size
-    return Pieces(*map(np.array, zip(*cut, strict=True)))
+    corners = np.array([0j, *(complex(*corner) for corner in bristle.path)])
+    sides = np.diff(corners)
+    # Distances from the root along the wire, m.
+    stations = np.append(0.0, np.abs(sides).cumsum())
+    borders = np.linspace(0.0, bristle.length, bristle.links + 1)
+    cuts = np.union1d(stations, borders)
+    cuts = cuts[np.append(True, np.diff(cuts) > 1e-12 * bristle.length)]
+    lengths = np.diff(cuts)
+    middles = cuts[:-1] + 0.5 * lengths
+    links = np.searchsorted(borders, middles) - 1
+    starts = np.interp(cuts[:-1], stations, corners) - np.interp(borders[links], stations, corners)
+    directions = (sides / np.abs(sides))[np.searchsorted(stations, middles) - 1]
+    return Pieces(links, starts, directions, lengths)

@@ -20,11 +20,12 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.crossing import Step, first_event, nodes, note_extremes
+from bristle_sim.reference.crossing import Step, first_event
 from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Event, Follow, events_of
-from bristle_sim.reference.log import Finished, Log
-from bristle_sim.reference.system import State, System
+from bristle_sim.reference.log import Finished
+from bristle_sim.reference.state import State
+from bristle_sim.reference.system import System
 from bristle_sim.settings import StopReason
 
 
@@ -37,7 +38,6 @@ class Run:
     """
 
     system: System
-    log: Log
     state: State
     end: float
     tolerance: float
@@ -46,6 +46,7 @@ class Run:
 
     def run(self) -> StopReason:
         """Integrate to the end of the run, and return the reason why it ended."""
+        system = self.system
         reason = StopReason.END
         wedged = False
         self._sample(self.state)
@@ -57,24 +58,19 @@ class Run:
             reason, self.state = finished.args
             self._sample(self.state)
         except np.linalg.LinAlgError:  # more contacts than the links can keep closed
-            reason = self.log.jam(self.state).args[0]
+            reason, self.state = system.log.jam(self.state).args
             wedged = True
-        for each in self.system.sustained:
-            record(
-                self.system,
-                self.log,
-                self.state,
-                each,
-                "end of run" if reason is StopReason.END else str(reason),
-            )
+        outcome = "end of run" if reason is StopReason.END else str(reason)
+        record(system, self.state, system.sustained, outcome)
         if wedged:  # the last sample has no contact forces, since they have no bound
-            self.system.sustained = []
+            system.sustained = []
             self._sample(self.state)
         return reason
 
     def _interval(self) -> Follow:
         """Integrate to the next event, and return the function that applies its consequence."""
-        events = events_of(self.system, self.log, self.state)
+        system = self.system
+        events = events_of(system, self.state)
         solver = self._solver()
         while solver.status == "running":
             if self.evaluations > self.most_evaluations:
@@ -85,17 +81,17 @@ class Run:
                 # With rigid contacts, a contact has lost its lever: two wires lie flat on each
                 # other.
                 raise (
-                    self.log.jam(self.state)
-                    if self.system.rigid
+                    system.log.jam(self.state)
+                    if system.rigid
                     else Finished(StopReason.ACCURACY, self.state)
                 )
             values = solver.dense_output()
-            self.evaluations = self.evaluations + solver.nfev
+            self.evaluations += solver.nfev
             solver.nfev = 0
             if follow := self._follow(events, values, solver.t_old, solver.t):
                 return follow
-            if self.system.rigid:  # the integrator goes on from the closed gaps
-                sums = solver.y[2 * self.system.chain.links :]
+            if system.rigid:  # the integrator goes on from the closed gaps
+                sums = solver.y[2 * system.chain.links :]
                 solver.y = np.concatenate([self.state.angles, self.state.rates, sums])
                 solver.f = solver.fun(solver.t, solver.y)
         return lambda state: state
@@ -110,30 +106,19 @@ class Run:
         Returns:
             The function that applies the consequence of the event, or None without an event.
         """
+        system = self.system
 
         def motion(times: Array) -> list[State]:
             pairs = zip(times.tolist(), values(times).T, strict=True)
-            return [self.system.closed(self._state(*each)) for each in pairs]
+            return [system.closed(self._state(*each)) for each in pairs]
 
-        step = Step(
-            self.system,
-            motion,
-            [self.system.at(each) for each in motion(nodes(start, end))],
-            start,
-            end,
-        )
-        until, follow = first_event(events, step)
-        extremes = [note_extremes(self.log, each, step, until) for each in self.log.records]
-        stop = min((each for each in extremes if each is not None), default=None)
-        until = until if stop is None else stop
-        *between, self.state = motion(np.array([*self.log.times(start, until), until]))
+        until, follow = first_event(events, Step(system, motion, start, end))
+        *between, self.state = motion(np.array([*system.log.times(start, until), until]))
         for each in between:
             self._sample(each)
-        sums = values(until)[2 * self.system.chain.links :].reshape(-1, 4)
-        for contact, reached in zip(self.system.sustained, sums, strict=True):
+        sums = values(until)[2 * system.chain.links :].reshape(-1, 4)
+        for contact, reached in zip(system.sustained, sums, strict=True):
             contact.sums = reached
-        if stop is not None:
-            raise Finished(StopReason.EVENT, self.state)
         if follow is not None:
             self._sample(self.state)
         return follow
@@ -146,21 +131,20 @@ class Run:
         chain = self.system.chain
         size = self.system.size
         fastest = self.system.fastest
+        sustained = self.system.sustained
         rate = max(chain.speed, float(np.abs(self.state.rates).max()), fastest, 1e-300)
         force = chain.masses.sum() * size * rate
         work = force * size * rate
-        sustained = self.system.sustained
         scale = [
             np.ones(chain.links),
             np.full(chain.links, rate),
             np.tile([force, force, work, work], len(sustained)),
         ]
+        sums = [each.sums for each in sustained]
         return DOP853(
             self._derivative,
             self.state.time,
-            np.concatenate(
-                [self.state.angles, self.state.rates, *(each.sums for each in sustained)]
-            ),
+            np.concatenate([self.state.angles, self.state.rates, *sums]),
             self.end,
             max_step=1.0 / fastest if fastest else np.inf,
             rtol=self.tolerance,
@@ -174,17 +158,17 @@ class Run:
         sustained contacts.
         """
         instant = self.system.at(self._state(time, values))
-        if not instant.contacts:
-            return np.concatenate([instant.state.rates, instant.balance.accelerations])
-        normal, tangential = instant.balance.normal, instant.balance.tangential
-        velocities = np.array([each.touch.velocity for each in instant.contacts])
-        powers = normal * velocities[:, 0], tangential * velocities[:, 1]
-        sums = np.column_stack([normal, tangential, *powers]).ravel()
-        return np.concatenate([instant.state.rates, instant.balance.accelerations, sums])
+        accelerations, pushes = instant.balance
+        powers = pushes * np.reshape([each.touch.velocity for each in instant.contacts], (-1, 2))
+        sums = np.hstack([pushes, powers])
+        return np.concatenate([instant.state.rates, accelerations, sums.ravel()])
 
     def _state(self, time: float, values: Array) -> State:
         """Return the state that an array of unknowns contains."""
         return State(time, *values[: 2 * self.system.chain.links].reshape(2, -1))
 
     def _sample(self, state: State) -> None:
-        self.log.sample(self.system.at(state))
+        system = self.system
+        points = [each.point for each in system.sustained]
+        pushes = system.at(state).balance.pushes
+        system.log.sample(state, zip(points, pushes, strict=True))

@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,12 +15,13 @@ import numpy as np
 from bristle_sim.declared import ANY, quantity, validate
 from bristle_sim.parameters import START, Surface, Tool
 from bristle_sim.parameters.tool import checked_tool
-from bristle_sim.reference.contacts import Bar, Point, WirePairs, Workpart, obstacles_of
+from bristle_sim.reference.contacts import Obstacles, Point, WirePairs, obstacles_of
 from bristle_sim.reference.decisions import close_contact
-from bristle_sim.reference.log import PEAK, STRIKE, Log
+from bristle_sim.reference.log import Log
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
-from bristle_sim.reference.system import State, System
+from bristle_sim.reference.state import State
+from bristle_sim.reference.system import System
 from bristle_sim.settings import EVENTS, StopReason, checked_name
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
 
@@ -113,7 +114,7 @@ def simulate_reference(
     request = Request(
         *start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after
     )
-    return _simulate(tool, request, [request.start_hub_angle], {})[0]
+    return _simulate(tool, request, [request.start_hub_angle])[0]
 
 
 def simulate_row_reference(
@@ -152,20 +153,21 @@ def simulate_row_reference(
     request = Request(hub_turn=hub_turn + (bristles - 1) * pitch, **(start | requested))
     starts = [request.start_hub_angle - number * pitch for number in range(bristles)]
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
-    pairs = WirePairs(bristles, tool.bristle.wire_diameter, surface)
-    return _simulate(tool, request, starts, {pairs.name: pairs} if pairs.pairs else {})
+    return _simulate(
+        tool, request, starts, WirePairs(bristles, tool.bristle.wire_diameter, surface)
+    )
 
 
 def _simulate(
     tool: Tool,
     request: Request,
     start_hub_angles: Sequence[float],
-    touches: Mapping[str, WirePairs],
+    wires: WirePairs | None = None,
 ) -> tuple[Trajectory, ...]:
     """Simulate one wire, or several wires that touch each other.
 
-    ``start_hub_angles`` holds the hub angle of each wire at the start, rad. ``touches`` holds the
-    pairs of wires that can touch, as an obstacle by name.
+    ``start_hub_angles`` holds the hub angle of each wire at the start, rad. ``wires`` are the pairs
+    of wires that can touch.
 
     Returns:
         A trajectory for each wire.
@@ -173,55 +175,42 @@ def _simulate(
     wall = clock.perf_counter()
     cpu = clock.process_time()
     fixed = obstacles_of(tool)
+    pairs = wires.pairs if wires else []
+    obstacles: Obstacles = {**fixed, "wire": wires} if wires and pairs else fixed
     chain = Chain(tool, *start_hub_angles)
     rates = np.full(chain.links, chain.speed + request.start_relative_rate)
     start = State(0.0, chain.start_hub_angles + request.start_relative_angle, rates)
-    wires = [Chain(tool, each) for each in start_hub_angles]
-    end, interval = _span(wires[0], request)
-    log = Log(
-        wires,
-        interval,
-        request.stop_after,
-        [pair for each in touches.values() for pair in each.pairs],
-    )
-    for record in log.records:
-        _check_start(record.chain, fixed, record.own(start))
+    chains = [Chain(tool, each) for each in start_hub_angles]
+    end, interval = _span(chains[0], request)
+    log = Log(chains, interval, request.stop_after, pairs)
     duration = tool.contact.duration if request.contact_stiffness is None else None
-    system = System(chain, {**fixed, **touches}, request.contact_stiffness, duration)
-    run = Run(system, log, start, end, max(request.accuracy / 100.0, FINEST))
+    system = System(chain, obstacles, log, request.contact_stiffness, duration)
+    _check_start(system, start)
+    run = Run(system, start, end, max(request.accuracy / 100.0, FINEST))
     reason = run.run()
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, run.evaluations)
-    for record in log.records:
-        record.note_largest_retraction([state for state, _ in log.samples])
-        if "bar" in fixed and not record.seen("bar touch"):
-            record.event("bar not touched", run.state.time)
-        if "workpart" in fixed and not record.seen(STRIKE) and request.stop_after != PEAK:
-            record.event("workpart not reached", run.state.time)
     parameters = {
         "method": METHOD,
         "tool": dataclasses.asdict(tool),
         "settings": dataclasses.asdict(request),
     }
-    states, forces = zip(*log.samples, strict=True)
-    normal_forces = np.array(forces)[:, :, 0].T
-    each_wire = zip(log.records, normal_forces, strict=True)
     runs = [
-        own.trajectory(states, force, reason, cost=cost, parameters=parameters)
-        for own, force in each_wire
+        own.trajectory(log.samples, fixed, stop_reason=reason, cost=cost, parameters=parameters)
+        for own in log.records
     ]
     return tuple([each.with_places(tool) for each in runs])
 
 
-def _check_start(chain: Chain, obstacles: Mapping[str, Bar | Workpart], start: State) -> None:
-    """Raise ValueError if the wire starts inside an obstacle."""
-    motion = chain.kinematics(*start)
-    for name, each in obstacles.items():
-        gap = float(each.gaps(chain, motion).min())
-        if gap < -1e-12 * (chain.hub_radius + chain.length):
-            relative = start.angles[0] - chain.start_hub_angles[0]
+def _check_start(system: System, start: State) -> None:
+    """Raise ValueError if a wire starts inside the bar or the workpart."""
+    for name in system.obstacles:
+        gaps = system.at(start).gaps(name)
+        if name != "wire" and gaps.min() < -1e-12 * system.size:
+            link = system.chain.pieces.links[gaps.argmin()]
+            hub_angle = system.chain.start_hub_angles[link]
             raise ValueError(
-                f"start_hub_angle = {chain.start_hub_angles[0]:g}, start_relative_angle = {relative:g}: must be angles at"
-                f" which the bristle is outside the {name}; it is {-gap:g} m inside (in rad)"
+                f"start_hub_angle = {hub_angle:g}, start_relative_angle = {start.angles[link] - hub_angle:g}: must be angles at"
+                f" which the bristle is outside the {name}; it is {-gaps.min():g} m inside (in rad)"
             )
 
 
@@ -230,7 +219,9 @@ def _span(chain: Chain, request: Request) -> tuple[float, float]:
     # Natural rate of the wire on its belt with rigid hinges, and c/I, twice the rate of its decay,
     # rad/s.
     inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
-    field = abs(complex(chain.moments.sum())) * (chain.hub_radius * chain.speed**2 + chain.gravity)
+    field = abs((chain.masses @ chain.arms).sum()) * (
+        chain.hub_radius * chain.speed**2 + chain.gravity
+    )
     swing = math.sqrt((float(chain.stiffness[0]) + field) / inertia)
     decay = float(chain.damping[0]) / inertia
     moving = max(swing, chain.speed)
@@ -276,7 +267,7 @@ def strike_reference(
 ) -> ContactRecord:
     """Return the first contact of a wire's tip with the workpart, resolved in time on springs.
 
-    The springs are those of :class:`bristle_sim.reference.contacts.Spring`. The record contains the
+    The springs are those of :class:`bristle_sim.reference.state.Compliant`. The record contains the
     history of forces and penetration.
 
     Args:
@@ -295,11 +286,11 @@ def strike_reference(
         TooStiffError: if the contact takes more than ``most_evaluations`` evaluations.
     """
     chain = Chain(tool, hub_angle)
-    system = System(chain, obstacles_of(dataclasses.replace(tool, bar=None)), stiffness)
     log = Log([chain], longest / SAMPLES_OF_STRIKE, "workpart release")
+    system = System(chain, obstacles_of(dataclasses.replace(tool, bar=None)), log, stiffness)
     start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
-    begun = close_contact(system, log, "workpart", len(chain.corners) - 1, start)
-    reason = Run(system, log, begun, longest, accuracy / 100.0, most_evaluations).run()
+    begun = close_contact(system, "workpart", len(chain.masses) - 1, start)
+    reason = Run(system, begun, longest, accuracy / 100.0, most_evaluations).run()
     if reason is StopReason.STEP_BUDGET:
         raise TooStiffError(
             f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)"
@@ -308,16 +299,16 @@ def strike_reference(
         raise ValueError(
             f"longest = {longest:g}: must be a time in which the contact ends; it stops: {reason} (in s)"
         )
-    states, forces = zip(*log.samples, strict=True)
-    touches = [
-        system.at(state).touch(Point("workpart", len(chain.masses) - 1, True)) for state in states
-    ]
+    tip = Point("workpart", len(chain.masses) - 1, True)
+    touches = [system.at(state).touch(tip) for state, _ in log.samples]
+    pushes = np.array([forces[0] for _, forces in log.samples])
+    velocities = np.array([each.velocity for each in touches])
     history = ContactHistory(
-        time=np.array([state.time for state in states]),
-        normal_force=np.array(forces)[:, 0, 0],
-        tangential_force=np.array(forces)[:, 0, 1],
+        time=np.array([state.time for state, _ in log.samples]),
+        normal_force=pushes[:, 0],
+        tangential_force=pushes[:, 1],
         penetration=np.array([-each.gap for each in touches]),
-        normal_velocity=np.array([each.velocity[0] for each in touches]),
-        tangential_velocity=np.array([each.velocity[1] for each in touches]),
+        normal_velocity=velocities[:, 0],
+        tangential_velocity=velocities[:, 1],
     )
     return dataclasses.replace(log.records[0].contacts[0], history=history)

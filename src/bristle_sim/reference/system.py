@@ -4,19 +4,17 @@ accelerations in a state.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, WirePairs, Workpart
+from bristle_sim.reference.contacts import Bar, Obstacles, Point, Touch
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
-from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
-
-Obstacles = Mapping[str, Bar | Workpart | WirePairs]
+from bristle_sim.reference.log import Log
+from bristle_sim.reference.mechanics import Chain, Kinematics
+from bristle_sim.reference.state import Compliant, State, Sustained
 
 # Rounding error of a rate, over the fastest rate, for each radian turned; measured are 3e-15 in one
 # turn, and 7e-15 in 80 turns.
@@ -24,40 +22,8 @@ RATE_ROUNDING = 1e-13
 REST = 1e-10  # largest velocity that counts as rest, over the bound of all velocities
 
 
-class State(NamedTuple):
-    """The state of all links: time, s, absolute angles, rad, and absolute rates, rad/s."""
-
-    time: float
-    angles: Array
-    rates: Array
-
-
-@dataclass(slots=True, eq=False)
-class Sustained:
-    """A sustained contact.
-
-    Attributes:
-        point: location of the contact on the wire.
-        slip: sense of the slip; 0 in stick.
-        since: state at the start of the contact.
-        velocity_before: (normal, tangential) contact velocity at the start, m/s.
-        spring: springs of the contact; None if it is rigid.
-        sums: normal and tangential impulse, N s, and normal and tangential work, J, so far.
-        compression: impulses and works, as in ``sums``, at the end of a compliant contact's
-            compression.
-    """
-
-    point: Point
-    slip: int
-    since: State
-    velocity_before: tuple[float, float]
-    spring: Spring | None = None
-    sums: Array = field(default_factory=lambda: np.zeros(4))
-    compression: Array | None = None
-
-
 class System:
-    """One or several wires with their obstacles by name and their sustained contacts.
+    """One or several wires with their obstacles by name, their sustained contacts and their log.
 
     Contacts with the workpart are compliant if a stiffness, N/m, or a duration of the first
     contact, s, is given. From the duration the stiffness is computed when a wire first touches the
@@ -68,14 +34,18 @@ class System:
         self,
         chain: Chain,
         obstacles: Obstacles,
+        log: Log,
         stiffness: float | None,
         duration: float | None = None,
     ) -> None:
         self.chain = chain
         self.obstacles = obstacles
+        self.log = log
         self.duration = duration
         self.stiffness = stiffness
         self.sustained: list[Sustained] = []
+        # Gap at which a corner has left the workpart, m, while it is in the dent of its contact.
+        self.dents: dict[int, float] = {}
         self.size = chain.hub_radius + chain.length
         self.fastest = chain.fastest_rate
 
@@ -86,27 +56,12 @@ class System:
     @property
     def rigid(self) -> list[Point]:
         """Return the locations of the rigid sustained contacts."""
-        return [each.point for each in self.sustained if each.spring is None]
-
-    def friction(self, point: Point, spring: Spring | None = None) -> float:
-        """Return the coefficient of friction of a contact.
-
-        While its spring unloads, it is the coefficient in restitution.
-        """
-        surface = self.obstacles[point.obstacle].surface
-        return (
-            surface.friction
-            if spring is None or spring.loading
-            else surface.friction_in_restitution
-        )
+        return [each.point for each in self.sustained if not isinstance(each, Compliant)]
 
     def still(self, state: State) -> float:
         """Return the largest velocity that counts as rest, m/s."""
-        return (
-            REST
-            * self.size
-            * max(self.chain.speed, float(np.abs(state.rates).max()), self.fastest * 1e-3)
-        )
+        rates = (self.chain.speed, float(np.abs(state.rates).max()), self.fastest * 1e-3)
+        return REST * self.size * max(rates)
 
     def rate_rounding(self, state: State) -> float:
         """Return the rounding error of a link's rate, rad/s.
@@ -136,11 +91,6 @@ class Instant:
         self._gaps: dict[str, Array] = {}
 
     @cached_property
-    def turn(self) -> Complexes:
-        """Directions e^{i theta} of the links, with their absolute angles theta."""
-        return np.asarray(np.exp(1j * self.state.angles))
-
-    @cached_property
     def motion(self) -> Kinematics:
         """Positions and motion of the links' first joints."""
         return self.system.chain.kinematics(*self.state)
@@ -148,12 +98,12 @@ class Instant:
     @cached_property
     def mass(self) -> Array:
         """Mass matrix of the links, kg m^2."""
-        return self.system.chain.mass_matrix(self.turn)
+        return self.system.chain.mass_matrix(self.motion.turn)
 
     @cached_property
     def forces(self) -> Array:
         """Generalized forces on the links without contacts, N m."""
-        return self.system.chain.forces(*self.state, self.turn)
+        return self.system.chain.forces(self.state.time, self.state.angles, self.motion)
 
     def touch(self, point: Point) -> Touch:
         """Return the kinematics of the contact at a point."""
@@ -161,18 +111,7 @@ class Instant:
 
     def acting(self, sustained: Iterable[Sustained]) -> list[Acting]:
         """Return sustained contacts with their kinematics and spring forces."""
-        found = []
-        for each in sustained:
-            touch = self.touch(each.point)
-            mu = self.system.friction(each.point, each.spring)
-            spring = each.spring
-            known = (
-                (None, None)
-                if spring is None
-                else (spring.force(touch.gap), spring.rub(touch, each.slip))
-            )
-            found.append(Acting(touch, mu, each.slip, *known))
-        return found
+        return [each.acting(self.touch(each.point)) for each in sustained]
 
     @cached_property
     def contacts(self) -> list[Acting]:
@@ -198,4 +137,4 @@ class Instant:
         """
         bar = self.system.obstacles["bar"]
         assert isinstance(bar, Bar)
-        return bar.feet(self.system.chain, self.motion)[0]
+        return bar.feet(self.system.chain, self.motion)
