@@ -94,6 +94,13 @@ def test_a_quantity_that_is_nowhere_simulated_is_that_of_its_formula(
     assert few < many < float(rows[0]["merchant_crater_depth_limit (m)"])
 
 
+def test_without_any_result_the_reason_is_the_answer(capsys: pytest.CaptureFixture[str]):
+    """A quantity that is requested has no name to be checked against then."""
+    swept = ("--sweep", "penetration=30mm:40mm:2", "--set", "reference=yes")
+    assert called(*swept, "--quantity", "tip_speed_at_contact") == 0
+    assert "1 points lack results: penetration = 0.03: must be less" in capsys.readouterr().out
+
+
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys('joblib xarray zarr tqdm cloudpickle distributed'.split()));"
 
 

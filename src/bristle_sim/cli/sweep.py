@@ -18,16 +18,15 @@ from bristle_sim.cli.options import write_files
 from bristle_sim.cli.output import csv_text, json_of, print_line
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import Report
-from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import Tool, tool_keys
-from bristle_sim.readable import WIDTH, aligned, readable_unit
+from bristle_sim.readable import WIDTH, aligned
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import unable
 from bristle_sim.studies.scenario_sweep import (
     FIRST,
+    Series,
     Swept,
     constants_in_words,
-    shown_value,
     sweep_in_arrays,
     sweep_in_words,
     sweep_of_runs,
@@ -55,14 +54,12 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
         ValueError: for bad input, if no point has a result, or without the extra ``sweep`` where it
             is needed.
     """
-    axes = dict(_axis(scenario, text) for text in options.sweep)
+    axes = {axis.label: axis for axis in (_axis(scenario, text) for text in options.sweep)}
     if len(axes) < len(options.sweep):
         raise ValueError(f"--sweep = {', '.join(options.sweep)}: must name each key once")
     if len(axes) > 2:
         raise ValueError(f"--sweep = {', '.join(options.sweep)}: must be one key or two")
     found = _swept(scenario, options, axes)
-    for key in axes:
-        found.units[key] = scenario.keys()[key][0].unit
     chosen = _chosen(found, options.quantity)
     columns = table_columns(found)
     answer = sweep_in_words(found, chosen)
@@ -82,27 +79,48 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
         save_figure(sweep_figure(found, chosen), target)
 
     write_files(targets, {**texts, "plot": plot})
+    table = _rows(found, chosen) if len(axes) == 1 else _extremes(found, chosen)
+    table += _wrapped("constant", constants_in_words(found))
     shown = next((texts[name] for name in texts if getattr(options, name) == "-"), None)
-    print_line(
-        shown
-        or "\n".join(
-            [answer, "", *_table(found, chosen), *_wrapped("constant", constants_in_words(found))]
+    print_line(shown or "\n".join([answer, "", *table]))
+
+
+def _axis(scenario: Scenario, text: str) -> Series:
+    """Return the swept parameter that KEY=FROM:TO:N names, with its N equally spaced values."""
+    import numpy as np
+
+    key, _, interval = text.partition("=")
+    ends = interval.split(":")
+    keys = scenario.keys()
+    refused = f"--sweep = {text!r}"
+    if len(ends) != 3 or not ends[2].isdecimal() or not 1 <= int(ends[2]) <= MOST_POINTS:
+        raise ValueError(
+            f"{refused}: must be KEY=FROM:TO:N with N from 1 to {MOST_POINTS}, such as friction=0.1:0.5:9"
         )
-    )
+    if key not in keys:
+        raise ValueError(
+            f"{refused}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}"
+        )
+    declared = keys[key][0]
+    if not isinstance(declared, Range):
+        raise ValueError(f"{refused}: must name a key that is a number, not a word")
+    low, high = (float(declared.parse(end)) for end in ends[:2])
+    return Series(key, declared.unit, np.linspace(low, high, int(ends[2])), is_key=True)
 
 
-def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Any]) -> Swept:
+def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Series]) -> Swept:
     """Compute a sweep: all points at once in arrays if possible, otherwise one run for each point.
 
-    ``axes`` holds the values of each swept parameter. Arrays serve only if scenario, tool and swept
-    parameters permit it, and neither worker processes nor a folder of stored points are requested.
+    Arrays serve only if scenario, tool and swept parameters permit it, and neither worker processes
+    nor a folder of stored points are requested.
     """
     values = scenario.values_of(options.set)
     keys = {key for part in tool_keys().values() for key in part}
+    keys -= {"wire_links", "knee_angle_deg"}
     alone = options.workers is None and options.store is None
     if scenario.in_arrays and alone and axes.keys() <= keys and values.get("reference") != "yes":
         tool = build_parameters(Tool, values)
-        if not unable(tool) and not axes.keys() & {"wire_links", "knee_angle_deg"}:
+        if not unable(tool):
             return sweep_in_arrays(tool, build_parameters(Settings, values), axes)
     point = functools.partial(answer_at, scenario, tuple(options.set))
     return sweep_of_runs(point, axes, workers=options.workers, store=options.store)
@@ -122,39 +140,18 @@ def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) 
     return dataclasses.replace(report, quantities=others)
 
 
-def _axis(scenario: Scenario, text: str) -> tuple[str, Any]:
-    """Return the swept parameter that KEY=FROM:TO:N names, and its N equally spaced values."""
-    import numpy as np
-
-    key, _, interval = text.partition("=")
-    ends = interval.split(":")
-    keys = scenario.keys()
-    refused = f"--sweep = {text!r}"
-    if len(ends) != 3 or not ends[2].isdecimal() or not 1 <= int(ends[2]) <= MOST_POINTS:
-        raise ValueError(
-            f"{refused}: must be KEY=FROM:TO:N with N from 1 to {MOST_POINTS}, such as friction=0.1:0.5:9"
-        )
-    if key not in keys:
-        raise ValueError(
-            f"{refused}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}"
-        )
-    declared = keys[key][0]
-    if not isinstance(declared, Range):
-        raise ValueError(f"{refused}: must name a key that is a number, not a word")
-    low, high = (float(declared.parse(end)) for end in ends[:2])
-    return key, np.linspace(low, high, int(ends[2]))
-
-
 def _chosen(found: Swept, requested: Sequence[str]) -> list[str]:
     """Return the names of the quantities to show: the requested ones, or all that vary in the
     sweep.
     """
+    if not found.quantities:
+        return []
     for name in requested:
-        if found.values and name not in found.values:
-            raise ValueError(f"--quantity = {name!r}: {likely_key(name, found.values)}")
-    changing = found.changing
+        if name not in found.quantities:
+            raise ValueError(f"--quantity = {name!r}: {likely_key(name, found.quantities)}")
+    changing = [name for name, each in found.quantities.items() if each.changes]
     first = [name for name in FIRST if name in changing]
-    return list(requested) or [*first, *(name for name in changing if name not in first)]
+    return list(requested) or list(dict.fromkeys([*first, *changing]))
 
 
 def table_columns(found: Swept) -> dict[str, list[Any]]:
@@ -164,61 +161,51 @@ def table_columns(found: Swept) -> dict[str, list[Any]]:
     """
     import numpy as np
 
-    grids = np.meshgrid(*found.axes.values(), indexing="ij")
-    columns = {**dict(zip(found.axes, grids, strict=True)), **found.values}
-    named = {}
-    for name, values in columns.items():
-        unit = found.units[name]
-        named[name if unit == "1" else f"{name} ({unit})"] = values.ravel().tolist()
-    words = {} if found.outcome is None else {"outcome": found.outcome.ravel().tolist()}
-    return {**named, **words, "failure": found.failure.ravel().tolist()}
+    grids = np.meshgrid(*(axis.values for axis in found.axes.values()), indexing="ij")
+    places = dict(zip(found.axes, grids, strict=True))
+    columns = {}
+    for name, each in (found.axes | found.quantities).items():
+        heading = name if each.unit == "1" else f"{name} ({each.unit})"
+        columns[heading] = places.get(name, each.values)
+    if found.outcome is not None:
+        columns["outcome"] = found.outcome
+    columns["failure"] = found.failure
+    return {name: values.ravel().tolist() for name, values in columns.items()}
 
 
-def _table(found: Swept, chosen: Sequence[str]) -> list[str]:
-    """Return the lines of the table that a terminal shows.
-
-    A sweep of one parameter has one row for each of at most MOST_ROWS points. A sweep of two
-    parameters has the extremes of each chosen quantity.
-    """
+def _rows(found: Swept, chosen: Sequence[str]) -> list[str]:
+    """Return the lines of a table over one parameter, with at most MOST_ROWS of the points."""
     import numpy as np
 
-    if len(found.axes) > 1:
-        return _extremes(found, chosen)
-    (key,) = found.axes
-    size = found.failure.size
-    rows = np.unique(np.linspace(0, size - 1, min(size, MOST_ROWS)).round().astype(int))
-    columns = [_column(found, key, found.axes[key][rows])]
+    (axis,) = found.axes.values()
+    size = axis.values.size
+    rows = np.linspace(0, size - 1, min(size, MOST_ROWS)).round().astype(int)
+    columns = [_column(axis, rows)]
     if found.outcome is not None:
         columns.append(["", "", "outcome", *found.outcome[rows].tolist()])
     left_out = []
     for name in chosen:
-        column = _column(found, name, found.values[name][rows])
+        column = _column(found.quantities[name], rows)
         if sum(max(map(len, each)) + 2 for each in (*columns, column)) <= WIDTH + 2:
             columns.append(column)
         else:
             left_out.append(name)
-    cells = [list(row) for row in zip(*columns, strict=True) if any(row)]
-    lines = aligned(cells, 0)
-    if left_out:
-        lines += _wrapped("further quantities, by --quantity or --csv", left_out)
-    return lines
+    lines = aligned([row for row in zip(*columns, strict=True) if any(row)], 0)
+    return lines + _wrapped("further quantities, by --quantity or --csv", left_out)
 
 
 HEAD = 16  # least width, in letters, of each of the three lines of a column's heading
 
 
-def _column(found: Swept, name: str, values: Any) -> list[str]:
+def _column(series: Series, rows: Any) -> list[str]:
     """Return a column of the table as texts: three lines of heading with a readable unit, then the
     values.
     """
-    unit, size = (
-        display_unit(name, found.units[name])
-        if name in found.axes
-        else readable_unit(found.units[name], values.tolist())
-    )
-    words = found.labels.get(name, name) + ("" if unit in ("", "1") else f" ({unit})")
+    size = series.display[1]
+    words = series.heading
     head = textwrap.wrap(words, max(HEAD, len(words) // 3 + 4))[:3]
-    cells = (f"{value / size + 0.0:.5g}" if math.isfinite(value) else "-" for value in values)
+    values = series.values[rows] / size + 0.0
+    cells = (f"{value:.5g}" if math.isfinite(value) else "-" for value in values)
     return [*[""] * (3 - len(head)), *head, *cells]
 
 
@@ -238,16 +225,15 @@ def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
     import numpy as np
 
     rows = [["quantity", "unit", "lowest", "at", "highest", "at"]]
-    for name in chosen:
-        values = found.values[name]
-        if not np.isfinite(values).any():
+    for quantity in (found.quantities[name] for name in chosen):
+        if not quantity.known:
             continue
-        unit, size = readable_unit(found.units[name], values.ravel().tolist())
-        cells = [found.labels.get(name, name), "" if unit == "1" else unit]
+        unit, size = quantity.display
+        cells = [quantity.label, unit]
         for extreme in (np.nanargmin, np.nanargmax):
-            place = np.unravel_index(extreme(values), values.shape)
-            pairs = zip(found.axes.items(), place, strict=True)
-            where = ", ".join(shown_value(found, key, axis[i]) for (key, axis), i in pairs)
-            cells += [f"{values[place] / size + 0.0:.5g}", where]
+            place = np.unravel_index(extreme(quantity.values), quantity.values.shape)
+            pairs = zip(found.axes.values(), place, strict=True)
+            where = ", ".join(axis.in_words(axis.values[i]) for axis, i in pairs)
+            cells += [f"{quantity.values[place] / size + 0.0:.5g}", where]
         rows.append(cells)
     return [f"lowest and highest, at {', '.join(found.axes)}:", *aligned(rows, 2)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,15 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.arrays import Array
-from bristle_sim.conversion import display_unit
-from bristle_sim.parameters import key_unit, tool_keys
+from bristle_sim.parameters import key_unit
 from bristle_sim.passes.result import QUANTITIES as QUANTITIES_OF_PASSES
 from bristle_sim.passes.result import Ensemble
-from bristle_sim.readable import readable_unit
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREY, OUTCOMES, SKY, VERMILION
 from bristle_sim.studies.design import Design
-from bristle_sim.studies.scenario_sweep import Swept
+from bristle_sim.studies.scenario_sweep import Series, Swept
 from bristle_sim.studies.tolerances import Study
 from bristle_sim.studies.whole_pass import QUANTITIES
 
@@ -31,12 +30,11 @@ WIDTH = 6.0
 HEIGHT = 5.2
 TITLE_LETTERS = 32  # largest number of letters in a line of a panel's title
 
-
-OUTCOME = "outcome"
-
 PERCENTILES = (1.0, 99.0)
-"""Percentiles at which a colour scale is cut off, at an end where the values beyond would take more
-than half of the scale."""
+"""Percentiles at which a map's colour scale ends, so that a single extreme value does not take most
+of it."""
+
+MANY = 60  # least number of points of a line for which the points have no marks
 
 
 @style.styled()
@@ -48,76 +46,51 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     Raises:
         ValueError: if no point has a result.
     """
-    names = [name for name in names if name in found.known] or list(found.known)
-    if not names:
+    known = {name: each for name, each in found.quantities.items() if each.known}
+    if not known:
         raise ValueError(f"--plot: must have results to draw; {found.failure.ravel()[0]}")
-    panels = [*([] if found.outcome is None else [OUTCOME]), *names]
+    shown = [known[name] for name in names if name in known] or [*known.values()]
+    panels = [*([] if found.outcome is None else [None]), *shown]
     rows = math.ceil(len(panels) / COLUMNS)
     figure = style.blank_figure(COLUMNS * WIDTH + 0.6, rows * HEIGHT + 1.0)
-    (x, x_label, _), *others = (
-        _readable(each, key, found.units[key]) for key, each in found.axes.items()
-    )
-    y, y_label, _ = others[0] if others else (None, "", 1.0)
-    for number, name in enumerate(panels):
+    scales = [axis.values / axis.display[1] for axis in found.axes.values()]
+    x = scales[0]
+    for number, quantity in enumerate(panels):
         left = 1.4 + WIDTH * (number % COLUMNS)
         bottom = 1.9 + HEIGHT * (rows - 1 - number // COLUMNS)
         axes = style.axes_at(figure, left, bottom, WIDTH - 2.4, HEIGHT - 2.4)
-        axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
-        axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
-        if name == OUTCOME:
-            title = "outcome, coloured as below"
-            _draw_outcomes(axes, found, x, y)
-        else:
-            label = found.labels.get(name, name)
-            title = _draw_values(axes, found.values[name], label, found.units[name], x, y)
+        for label, axis in zip(found.axes.values(), (axes.xaxis, axes.yaxis), strict=False):
+            axis.set_label_text(_heading(label), fontsize=7.0)
+            axis.labelpad = 2.0
+        title = "outcome, coloured as below" if quantity is None else _heading(quantity)
         axes.set_title("\n".join(textwrap.wrap(title, TITLE_LETTERS)), loc="left", fontsize=7.5)
         axes.xaxis.set_major_locator(MaxNLocator(4))
-        if y is None:
+        if quantity is None:
+            _draw_outcomes(axes, found.outcome, *scales)
+        elif len(scales) == 1:
+            values = quantity.values / quantity.display[1]
+            axes.plot(x, values, ".-" if len(x) < MANY else "-", color=BLUE, markersize=4.0)
+        else:
+            values = quantity.values.T / quantity.display[1]
+            low, high = np.nanpercentile(values, PERCENTILES)
+            style.draw_colours(axes, x, scales[1], values, "both", vmin=low, vmax=high)
+        if len(scales) == 1:
             room = 0.05 * float(x.max() - x.min()) or 0.5
             axes.set_xlim(float(x.min()) - room, float(x.max()) + room)  # also without a result
     return figure
 
 
-MANY = 60  # least number of points of a line for which the points have no marks
+def _heading(series: Series) -> str:
+    return series.heading.replace("(deg)", "(°)")
 
 
-def _draw_values(
-    axes: Axes, values: Array, label: str, unit: str, x: Array, y: Array | None
-) -> str:
-    """Draw a quantity as a line over x, or as a map over x and y; return the title of its panel."""
-    if y is None:
-        shown, title, _ = _readable(values, label, unit)
-        axes.plot(x, shown, ".-" if len(x) < MANY else "-", color=BLUE, markersize=4.0)
-        return title
-    low, high, extend = _colour_range(values)
-    (vmin, vmax), title, size = _readable(np.array([low, high]), label, unit)
-    style.draw_colours(axes, x, y, values.T / size, extend, vmin=vmin, vmax=vmax)
-    return title
-
-
-def _colour_range(values: Array) -> tuple[float, float, str]:
-    """Return the lowest and highest value of a map's colour scale, and at which ends values exceed
-    it.
-
-    The third result is "neither", "min", "max" or "both", as matplotlib's colour bars take it.
-    """
-    known = values[np.isfinite(values)]
-    low, high = float(known.min()), float(known.max())
-    inner, outer = (float(each) for each in np.percentile(known, PERCENTILES))
-    below = low < 2.0 * inner - outer < inner
-    above = high > 2.0 * outer - inner > outer
-    extend = ("neither", "max", "min", "both")[2 * below + above]
-    return inner if below else low, outer if above else high, extend
-
-
-def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
+def _draw_outcomes(axes: Axes, outcome: Any, x: Array, y: Array | None = None) -> None:
     """Draw the outcomes as a map over two parameters, or as a strip over one.
 
     A legend of the outcomes that occur stands at the foot of the figure.
     """
-    assert found.outcome is not None
     order = sorted(OUTCOMES)
-    codes = np.searchsorted(order, found.outcome)
+    codes = np.searchsorted(order, outcome)
     if y is None:
         codes = np.stack([codes, codes], axis=1)
         axes.set_yticks([])
@@ -135,7 +108,7 @@ def _draw_outcomes(axes: Axes, found: Swept, x: Array, y: Array | None) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
     mark = {"marker": "s", "linestyle": "none", "markeredgecolor": GREY}
-    present = set(found.outcome.ravel())
+    present = set(outcome.ravel())
     looks = {word: {**mark, "color": color} for word, color in OUTCOMES.items() if word in present}
     style.write_key(figure, looks)
 
@@ -145,18 +118,19 @@ def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
 
     ``keys`` names the parameters along the axes.
     """
-    axes = {key: many.keys[key].ravel() for key in keys}
-    values = {name: getattr(many, name) for name in QUANTITIES_OF_PASSES}
-    units = {key: key_unit(key) for key in keys} | QUANTITIES_OF_PASSES
-    labels = {name: name.replace("_", " ") for name in values}
-    found = Swept(axes, values, units, labels, many.reason, many.outcome)
-    return sweep_figure(found, list(values))
+    axes = {key: Series(key, key_unit(key), many.keys[key].ravel(), is_key=True) for key in keys}
+    quantities = {
+        name: Series(name.replace("_", " "), unit, getattr(many, name))
+        for name, unit in QUANTITIES_OF_PASSES.items()
+    }
+    found = Swept(axes, quantities, many.reason, many.outcome)
+    return sweep_figure(found, list(quantities))
 
 
 MOST = 6  # largest number of inputs shown for each output
 ROW = 4.1  # height of an output's panels with their titles, cm
 KEY = {
-    "passes; mean ± standard deviation": {"color": SKY, "linewidth": 6.0},
+    "passes, and their mean": {"color": SKY, "linewidth": 6.0},
     "95 % of them": {"color": BLUE, "alpha": 0.12, "linewidth": 6.0},
     "total Sobol index": {"color": VERMILION, "alpha": 0.45, "linewidth": 6.0},
     "first-order index": {"color": BLUE, "linestyle": "none", "marker": "o", "markersize": 3.2},
@@ -182,10 +156,6 @@ def tolerance_figure(study: Study) -> Figure:
         axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
         axes.set_yticks([])
         axes.set_xlabel(unit, labelpad=1.0)
-        spread = float(values.std(ddof=1))
-        digits = max(0, 1 - math.floor(math.log10(spread))) if spread > 0.0 else 3
-        words = f"{style.signed(values.mean(), digits)} ± {spread:.{digits}f} {unit}"
-        style.note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
         axes = style.axes_at(figure, 10.3, bottom, 5.3, 2.4)
         chosen = np.argsort(-study.total[number])[:MOST]
         places = np.arange(chosen.size)
@@ -213,37 +183,24 @@ def trade_off_figure(found: Design) -> Figure:
     Marks show the wanted point and the nearest point that can be reached. Further panels show the
     varied parameters along the compromises.
     """
-    across, *rows = [*found.conflict, *found.varied]
-    height = 0.7 + KEY_HEIGHT * (len(rows) + 1)
-    figure = style.blank_figure(16.0, height)
-    x, x_label, x_size = _readable(found.trade_off[across], *QUANTITIES[across])
+    curves = {name: Series(*QUANTITIES[name], found.trade_off[name]) for name in found.conflict}
+    for key in found.varied:
+        curves[key] = Series(key, key_unit(key), found.trade_off[key], is_key=True)
     wanted = {each.name: each.wanted for each in found.wants}
     reached = {each.name: each.reached for each in found.wants} | found.varied
+    across, *rows = curves
+    figure = style.blank_figure(16.0, 0.7 + KEY_HEIGHT * len(curves))
     for number, name in enumerate(rows):
-        label, unit = QUANTITIES[name] if name in QUANTITIES else (name, key_unit(name))
-        y, y_label, y_size = _readable(found.trade_off[name], label, unit)
         tall = KEY_HEIGHT * (2 if number == 0 else 1) - 1.0
         axes = style.axes_at(figure, 2.2, 1.2 + KEY_HEIGHT * (len(rows) - 1 - number), 13.2, tall)
-        axes.plot(x, y, color=BLUE, label="best compromises")
+        sizes = [curves[each].display[1] for each in (across, name)]
+        lines = [curves[across].values / sizes[0], curves[name].values / sizes[1]]
+        axes.plot(*lines, color=BLUE, label="best compromises")
         for words, point, mark in (("wanted", wanted, "*"), ("nearest", reached, "o")):
-            x_place, y_place = point.get(across), point.get(name)
-            if x_place is not None and y_place is not None:
-                axes.plot(x_place / x_size, y_place / y_size, mark, color=VERMILION, label=words)
-        axes.set_ylabel(textwrap.fill(y_label, 22))
+            place = np.array([point.get(across), point.get(name)], float)  # NaN where unknown
+            axes.plot(*(place / sizes), mark, color=VERMILION, label=words)
+        axes.set_ylabel(textwrap.fill(_heading(curves[name]), 22))
         if number == 0:
             axes.legend(fontsize=7.0)
-    axes.set_xlabel(x_label)
+    axes.set_xlabel(_heading(curves[across]))
     return figure
-
-
-def _readable(values: Array, label: str, unit: str) -> tuple[Array, str, float]:
-    """Return values in a readable unit, their label with this unit, and the conversion factor.
-
-    The factor is the readable unit expressed in the original unit, by which the values are divided.
-    """
-    is_key = any(label in keys for keys in tool_keys().values())
-    shown, size = (
-        display_unit(label, unit) if is_key else readable_unit(unit, values.ravel().tolist())
-    )
-    shown = {"1": "", "deg": "°"}.get(shown, shown)
-    return values / size, label + (f" ({shown})" if shown else ""), size

@@ -19,7 +19,7 @@ from bristle_sim.comparison import Report
 from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.strike import OUTCOMES
-from bristle_sim.readable import amount, plain_number
+from bristle_sim.readable import amount, plain_number, readable_unit
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import (
     CHECKED_POINTS,
@@ -33,58 +33,84 @@ from bristle_sim.studies.whole_pass import QUANTITIES
 
 FORMULA = " by formula"  # suffix that marks the value of a quantity by formula
 
-
 CODE = "outcome_code"  # name under which a run returns the index of its outcome in OUTCOMES
-
-
-@dataclass(frozen=True, slots=True)
-class Swept:
-    """Quantities over one or two parameters, in SI units, or in degrees where a name ends in
-    ``_deg``.
-
-    Attributes:
-        axes: values of each parameter, by its name.
-        values: quantities by name, as arrays with one axis for each parameter; NaN where there is
-            no value.
-        units: units of parameters and quantities, by name.
-        labels: names of quantities in words; a quantity without a label is shown by its name.
-        failure: reason why a point lacks a quantity, for each point; empty where all are there.
-        outcome: outcome of the pass at each point, in words; None if the scenario has no passes.
-        check: sentence on the agreement with single simulations at some points; empty if every
-            point is a simulation.
-    """
-
-    axes: dict[str, Array]
-    values: dict[str, Array]
-    units: dict[str, str]
-    labels: dict[str, str]
-    failure: NDArray[Any]
-    outcome: NDArray[Any] | None = None
-    check: str = ""
-
-    @property
-    def known(self) -> dict[str, Array]:
-        """Return the quantities that have a value at one point or more."""
-        return {name: each for name, each in self.values.items() if np.isfinite(each).any()}
-
-    @property
-    def changing(self) -> dict[str, Array]:
-        """Return the quantities that change by more than rounding error over the points."""
-        known = self.known
-        return {name: each for name, each in known.items() if _spread(each) > ROUNDING}
-
 
 ROUNDING = 1e-7
 """Largest relative range of a quantity's values at which it counts as constant: ten times the usual
 accuracy of the passes."""
 
 
-def _spread(values: Array) -> float:
-    size = np.nanmax(np.abs(values))
-    return float((np.nanmax(values) - np.nanmin(values)) / size) if size else 0.0
+@dataclass(frozen=True, slots=True)
+class Series:
+    """Values of a swept parameter, or of a quantity at all points of a sweep.
+
+    Attributes:
+        label: key of the parameter, or name of the quantity in words.
+        unit: unit of the values: SI, or deg.
+        values: values of the parameter, or an array with one axis for each parameter; NaN where
+            there is no value.
+        is_key: whether it is a parameter, which is shown in its customary unit.
+    """
+
+    label: str
+    unit: str
+    values: Array
+    is_key: bool = False
+
+    @property
+    def display(self) -> tuple[str, float]:
+        """Readable unit of the values, and its size in their own unit; "" for pure numbers."""
+        if self.is_key:
+            return display_unit(self.label, self.unit)
+        unit, size = readable_unit(self.unit, self.values.ravel().tolist())
+        return "" if unit == "1" else unit, size
+
+    @property
+    def heading(self) -> str:
+        """Label with the readable unit."""
+        unit = self.display[0]
+        return f"{self.label} ({unit})" if unit else self.label
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a value at one point or more."""
+        return bool(np.isfinite(self.values).any())
+
+    @property
+    def changes(self) -> bool:
+        """Whether the values change by more than rounding error over the points."""
+        known = self.values[np.isfinite(self.values)]
+        return bool(known.size and np.ptp(known) > ROUNDING * np.abs(known).max())
+
+    def in_words(self, value: float, digits: int = 4) -> str:
+        """Return one of the values in words with its unit."""
+        if not self.is_key:
+            return amount(float(value) + 0.0, self.unit, digits)
+        unit, size = self.display
+        return f"{plain_number(float(value) / size, digits)} {unit}".rstrip()
 
 
-def sweep_in_arrays(tool: Tool, settings: Settings, axes: Mapping[str, Array]) -> Swept:
+@dataclass(frozen=True, slots=True)
+class Swept:
+    """Quantities over one or two parameters.
+
+    Attributes:
+        axes: each parameter, by its name.
+        quantities: each quantity, by its name.
+        failure: reason why a point lacks a quantity, for each point; empty where all are there.
+        outcome: outcome of the pass at each point, in words; None if the scenario has no passes.
+        check: sentence on the agreement with single simulations at some points; empty if every
+            point is a simulation.
+    """
+
+    axes: dict[str, Series]
+    quantities: dict[str, Series]
+    failure: NDArray[Any]
+    outcome: NDArray[Any] | None = None
+    check: str = ""
+
+
+def sweep_in_arrays(tool: Tool, settings: Settings, axes: dict[str, Series]) -> Swept:
     """Compute whole passes of a straight rigid bristle over one or two parameters, all points at
     once.
 
@@ -92,25 +118,24 @@ def sweep_in_arrays(tool: Tool, settings: Settings, axes: Mapping[str, Array]) -
     """
     passes = pass_quantities(tool, settings, **_grids(axes))
     random = np.random.default_rng(1)
-    chosen = {key: random.choice(values, CHECKED_POINTS + 1) for key, values in axes.items()}
-    labels = {name: label for name, (label, _) in QUANTITIES.items()}
-    units = {name: unit for name, (_, unit) in QUANTITIES.items()}
-    values = {name: passes[name] for name in QUANTITIES}
-    complete = np.all([np.isfinite(each) for each in values.values()], axis=0)
+    chosen = {key: random.choice(axis.values, CHECKED_POINTS + 1) for key, axis in axes.items()}
+    quantities = {
+        name: Series(label, unit, passes[name]) for name, (label, unit) in QUANTITIES.items()
+    }
+    complete = np.all([np.isfinite(each.values) for each in quantities.values()], axis=0)
     reason = np.where(passes[REASON] == "", passes[OUTCOME].astype(object), passes[REASON])
     check = str(checked_by_scene(tool, settings, chosen))
-    failure = np.where(complete, "", reason)
-    return Swept({**axes}, values, units, labels, failure, passes[OUTCOME], check)
+    return Swept(axes, quantities, np.where(complete, "", reason), passes[OUTCOME], check)
 
 
-def _grids(axes: Mapping[str, Array]) -> dict[str, Array]:
-    grids = np.meshgrid(*axes.values(), indexing="ij", sparse=True)
+def _grids(axes: Mapping[str, Series]) -> dict[str, Array]:
+    grids = np.meshgrid(*(axis.values for axis in axes.values()), indexing="ij", sparse=True)
     return dict(zip(axes, grids, strict=True))
 
 
 def sweep_of_runs(
     run: Callable[..., Report],
-    axes: Mapping[str, Array],
+    axes: dict[str, Series],
     *,
     workers: Any = None,
     store: Any = None,
@@ -120,7 +145,7 @@ def sweep_of_runs(
     Args:
         run: function that takes the parameters as keyword arguments and returns the scenario's
             report. If it raises ValueError, the message is the reason why the point lacks results.
-        axes: values of each parameter, in SI units.
+        axes: each parameter.
         workers: processes or cluster that compute the points, as for :func:`bristle_sim.sweep`,
             which raises the same errors.
         store: folder that keeps finished points, as for :func:`bristle_sim.sweep`. Without workers
@@ -131,7 +156,6 @@ def sweep_of_runs(
         point has its values by formula.
     """
     function = functools.partial(_quantities, run)
-    shape = tuple(len(values) for values in axes.values())
     if workers is None and store is None:
         columns = evaluate_in_turn(function, _grids(axes))
     else:
@@ -141,27 +165,24 @@ def sweep_of_runs(
             raise ValueError(
                 f"--workers, --store: need the extra sweep: pip install bristle-sim[sweep] ({error})"
             ) from error
-        found = sweep(function, axes, workers=workers, store=store).load()
+        space = {key: axis.values for key, axis in axes.items()}
+        found = sweep(function, space, workers=workers, store=store)
         columns = {str(name): each.values for name, each in found.data_vars.items()}
     failure = columns.pop(FAILURE).astype(object)
-    codes = columns.pop(CODE, np.full(shape, math.nan))
-    finished = np.argwhere(np.any([np.isfinite(each) for each in columns.values()], axis=0))
-    outcome = np.array([*OUTCOMES, ""])[np.nan_to_num(codes, nan=len(OUTCOMES)).astype(int)]
-    swept = Swept({**axes}, {}, {}, {}, failure, outcome if np.isfinite(codes).any() else None)
-    if not columns or not finished.size:
+    unknown = np.full(failure.shape, math.nan)
+    codes = columns.pop(CODE, unknown)
+    words = np.array([*OUTCOMES, ""])[np.nan_to_num(codes, nan=len(OUTCOMES)).astype(int)]
+    swept = Swept(axes, {}, failure, words if np.isfinite(codes).any() else None)
+    finished = np.argwhere(np.isfinite([unknown, *columns.values()]).any(axis=0))
+    if not finished.size:
         return swept
-    point = {
-        key: float(values[i]) for (key, values), i in zip(axes.items(), finished[0], strict=True)
-    }
+    point = {key: float(axes[key].values[i]) for key, i in zip(axes, finished[0], strict=True)}
     for each in run(**point).quantities:  # they have labels and units
-        values = columns.get(each.name, np.full(shape, math.nan))
-        formula = columns.get(each.name + FORMULA)
-        if formula is not None and not np.isfinite(values).any():
-            values = formula
-        swept.values[each.name] = values
-        swept.units[each.name] = each.unit
-        swept.labels[each.name] = each.label
-    complete = np.all([np.isfinite(each) for each in swept.values.values()], axis=0)
+        values = columns.get(each.name, unknown)
+        if not np.isfinite(values).any():
+            values = columns.get(each.name + FORMULA, values)
+        swept.quantities[each.name] = Series(each.label or each.name, each.unit, values)
+    complete = np.all([np.isfinite(each.values) for each in swept.quantities.values()], axis=0)
     failure[complete] = ""
     return swept
 
@@ -174,16 +195,13 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
     """
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
+    incomplete = None in values.values()
     if report.outcome_in_words in OUTCOMES:
         values[CODE] = OUTCOMES.index(report.outcome_in_words)
-    formulas = {
-        each.name + FORMULA: each.theory for each in report.quantities if each.simulated is None
-    }
-    return (
-        values
-        | formulas
-        | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
-    )
+    for each in report.quantities:
+        if each.simulated is None:
+            values[each.name + FORMULA] = each.theory
+    return values | {FAILURE: (report.answer or report.outcome) if incomplete else ""}
 
 
 FIRST = ("tip_speed_at_contact", "normal_final_impulse", "lag_deg_at_contact")
@@ -197,16 +215,15 @@ def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
     outcome changes, why some points have no results, and how far the simulation agrees.
     """
     over = " and ".join(
-        f"{key} from {shown_value(found, key, values[0])} to {shown_value(found, key, values[-1])}"
-        for key, values in found.axes.items()
+        f"{key} from {axis.in_words(axis.values[0])} to {axis.in_words(axis.values[-1])}"
+        for key, axis in found.axes.items()
     )
-    points = f"Over {over} ({' x '.join(str(len(each)) for each in found.axes.values())} points)"
-    run = _along if len(found.axes) == 1 else _between
-    parts = [run(found, name) for name in chosen[:NAMED] if np.isfinite(found.values[name]).any()]
-    if not parts:
-        parts = ["no quantity changes"]
+    points = f"Over {over} ({' x '.join(map(str, found.failure.shape))} points)"
+    described = [found.quantities[name] for name in chosen[:NAMED]]
+    parts = [_change(each, [*found.axes.values()]) for each in described if each.known]
+    parts = parts or ["no quantity changes"]
     if found.outcome is not None:
-        parts.append(_outcomes(found))
+        parts.append(_outcomes(found.outcome, [*found.axes.values()]))
     reasons, numbers = np.unique(found.failure[found.failure != ""].astype(str), return_counts=True)
     parts += [
         f"{number} points lack results: {reason.rstrip('.')}"
@@ -215,73 +232,54 @@ def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
     return f"{points} {'; '.join([*parts, *filter(None, [found.check])])}."
 
 
-def shown_value(found: Swept, name: str, value: float) -> str:
-    """Return a value in words with its unit; a parameter is converted to the unit in which it is
-    displayed.
-    """
-    if name in found.axes:
-        unit, size = display_unit(name, found.units[name])
-        return f"{plain_number(float(value) / size, 4)} {unit}".rstrip()
-    return amount(float(value) + 0.0, found.units[name], 4)
+def _change(quantity: Series, axes: Sequence[Series]) -> str:
+    """Return in words how a quantity changes: over two parameters, between which values it lies;
+    along one, whether it is constant, rises, falls, or has extremes in between.
 
-
-def _along(found: Swept, name: str) -> str:
-    """Return in words how a quantity changes along the parameter: it is constant, rises, falls, or
-    has extremes in between. A negative quantity "changes", because its magnitude does the opposite.
+    A negative quantity "changes", because its magnitude does the opposite.
     """
-    (key,) = found.axes
-    values = found.values[name]
-    known = np.flatnonzero(np.isfinite(values))
-    first, last = values[known[0]], values[known[-1]]
-    changes = np.diff(values[known])
-    if name not in found.changing:
-        return f"the {found.labels.get(name, name)} stays {shown_value(found, name, first)}"
-    ends = f"from {shown_value(found, name, first)} to {shown_value(found, name, last)}"
-    label = found.labels.get(name, name)
+    places = np.flatnonzero(np.isfinite(quantity.values))
+    values = quantity.values.ravel()[places]
+    lowest = quantity.in_words(values.min())
+    highest = quantity.in_words(values.max())
+    if len(axes) > 1:
+        return f"the {quantity.label} lies between {lowest} and {highest}"
+    if not quantity.changes:
+        return f"the {quantity.label} stays {quantity.in_words(values[0])}"
+    changes = np.diff(values)
     if (changes >= 0.0).all() or (changes <= 0.0).all():
-        verb = "rises" if last > first else "falls"
-        return f"the {label} {verb if max(first, last) > 0.0 else 'changes'} {ends}"
-    low, high = (known[each(values[known])] for each in (np.argmin, np.argmax))
-    places = [
-        f"{shown_value(found, name, values[at])} at {shown_value(found, key, found.axes[key][at])}"
-        for at in (low, high)
-    ]
-    return f"the {label} is lowest, {places[0]}, and highest, {places[1]}"
+        verb = "rises" if values[-1] > values[0] else "falls"
+        ends = f"from {quantity.in_words(values[0])} to {quantity.in_words(values[-1])}"
+        return f"the {quantity.label} {verb if values.max() > 0.0 else 'changes'} {ends}"
+    (axis,) = axes
+    low, high = (
+        axis.in_words(axis.values[places[at]]) for at in (values.argmin(), values.argmax())
+    )
+    return f"the {quantity.label} is lowest, {lowest} at {low}, and highest, {highest} at {high}"
 
 
-def _between(found: Swept, name: str) -> str:
-    values = found.values[name]
-    ends = [shown_value(found, name, each(values)) for each in (np.nanmin, np.nanmax)]
-    return f"the {found.labels.get(name, name)} lies between {ends[0]} and {ends[1]}"
-
-
-def _outcomes(found: Swept) -> str:
+def _outcomes(outcome: NDArray[Any], axes: Sequence[Series]) -> str:
     """Return the outcomes in words: along one parameter, the values at which the outcome changes;
     over two parameters, the fraction of points with each outcome.
     """
-    assert found.outcome is not None
-    words = found.outcome.ravel()
-    if len(found.axes) > 1:
-        kinds, numbers = np.unique(words, return_counts=True)
+    if len(axes) > 1:
+        kinds, numbers = np.unique(outcome, return_counts=True)
         order = np.argsort(-numbers)
-        parts = [f"{kinds[each]} in {100.0 * numbers[each] / words.size:.3g} %" for each in order]
+        parts = [f"{kinds[each]} in {100.0 * numbers[each] / outcome.size:.3g} %" for each in order]
         return f"the tip {', '.join(parts)} of them"
-    (key,) = found.axes
-    starts = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1).tolist()]
-    parts = [f"{words[0]}"]
-    parts += [
-        f"then {words[at]} from {shown_value(found, key, found.axes[key][at])}" for at in starts[1:]
-    ]
+    (axis,) = axes
+    starts = np.flatnonzero(outcome[1:] != outcome[:-1]) + 1
+    parts = [outcome[0]]
+    parts += [f"then {outcome[at]} from {axis.in_words(axis.values[at])}" for at in starts]
     if len(parts) > 2 * NAMED:
-        parts = [*parts[:NAMED], f"changes {len(starts) - NAMED} more times"]
+        parts = [*parts[:NAMED], f"changes {len(parts) - NAMED} more times"]
     return f"the tip {', '.join(parts)}"
 
 
 def constants_in_words(found: Swept) -> list[str]:
     """Return a phrase for each quantity that is constant over the points, with its value."""
-    shown = []
-    for name, values in found.known.items():
-        if name not in found.changing:
-            value = float(values[np.isfinite(values)][0])
-            shown.append(f"{found.labels.get(name, name)} {amount(value, found.units[name], 5)}")
-    return shown
+    return [
+        f"{each.label} {each.in_words(each.values[np.isfinite(each.values)][0], 5)}"
+        for each in found.quantities.values()
+        if each.known and not each.changes
+    ]
