@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import StrEnum, auto
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -46,7 +46,7 @@ ROUNDED_TOLERANCES = 10.0
 guesses outside the tolerance."""
 
 
-class Kind(Enum):
+class Kind(StrEnum):
     """The kinds of events; the comment on each kind states its subject."""
 
     TOUCH = auto()  # pair: its gap closes

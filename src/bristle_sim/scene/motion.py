@@ -1,6 +1,6 @@
 """The smooth motion between two changes of contact; each link is in flight or in contact.
 
-The motion is integrated interval by interval. An interval is shortened to its first event.
+The motion is integrated interval by interval.
 """
 
 from __future__ import annotations
@@ -15,13 +15,12 @@ from bristle_sim.scene.contact import ActiveContact, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult, Load
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.locate import Interval, first_change
+from bristle_sim.scene.locate import Interval
 from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import Spring
 from bristle_sim.scene.system import MOST_GROWTH, System
-from bristle_sim.scene.touches import SHORTEST_INTERVAL, first_touch_of_all
 from bristle_sim.settings import StopReason
 
 LONGEST_TURN = 1.0
@@ -32,6 +31,10 @@ motion."""
 BEYOND_RELEASE = 1.02
 """Length of the next interval over the time until an expected release. It exceeds 1, so that the
 release lies within the interval."""
+
+# shortest interval, in engine time units: a shorter one is not accurate, and a motion of this
+# length counts as an instant
+SHORTEST_INTERVAL = 1e-13
 
 SHORTEST_CONTACT_INTERVAL = 1e-9
 """Shortest interval of a contact with a spring, over the duration of the contact. In a shorter
@@ -154,18 +157,11 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
         return known[time]
 
     result = integrate_to(length)
-    if motion.rigid is not None and (result.failed or first):
-        forces = motion.rigid.normal(result.totals)
-        gone = result.failed or min(forces) <= 0.0
-        slipping = None if gone else motion.rigid.breaks_away(result.totals)
-        if (gone or slipping is not None) and first and length > system.plan.instant:
-            # An interval of an instant shows whether the force is gone from the beginning.
-            motion.limit = system.plan.instant
-            return None, None
-        if slipping is not None:
-            return None, _break_away(motion, result, slipping)
-        if gone:
-            return None, _approach_release(system, motion, motion.rigid, result, length)
+    rigid = motion.rigid
+    if rigid is not None and (result.failed or first):
+        slipping = rigid.breaks_away(result.totals)
+        if slipping is not None or result.failed or min(rigid.normal(result.totals)) <= 0.0:
+            return None, _lost(system, motion, result, length, slipping)
     if system.stepper.accepts(result, length):
         before = (motion.before or IntervalResult(start))._replace(state=start)
         return Interval(before, result, integrate_to), None
@@ -175,41 +171,44 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     return None, None
 
 
-def _break_away(motion: Motion, result: IntervalResult, index: int) -> Happening:
-    """Return the event that a sticking contact begins to slip because its tangential force exceeds
-    friction.
-    """
-    return Happening(
-        Kind.SLIPS,
-        motion.contacts[index],
-        -1 if sums_of(result.totals, index).tangential > 0.0 else 1,
-    )
-
-
-def _approach_release(
-    system: System, motion: Motion, rigid: RigidContacts, result: IntervalResult, length: float
+def _lost(
+    system: System, motion: Motion, result: IntervalResult, length: float, slipping: int | None
 ) -> Happening | None:
-    """Return the event at which a contact is released or begins to slip; None if the next interval
-    must be shorter.
+    """Return the event at which rigid contacts that would have to pull, or to stick against too
+    large a force, are released or begin to slip; None if the next interval must be shorter.
 
     Only a contact that does not stick is released: its normal force falls to zero where its gap
     begins to open. In stick the normal force depends on friction too. Friction ends with the normal
     force, and without friction the gap may still close.
+
+    Args:
+        system: the run.
+        motion: the motion, with rigid contacts.
+        result: result of the interval.
+        length: length of the interval.
+        slipping: index of a sticking contact whose tangential force exceeds friction.
     """
+    assert motion.rigid is not None
     plan = system.plan
     first = motion.before is None
-    for contact in motion.ordered:
-        if first and contact.stopped:
-            return Happening(Kind.SLIPS, contact, -contact.stopped)
-    if (first and system.mechanism.single_link) or length <= plan.shortest:
-        slipping = rigid.breaks_away(result.totals)
-        if slipping is not None:
-            return _break_away(motion, result, slipping)
-        lost = zip(motion.contacts, rigid.normal(result.totals), strict=False)
-        return Happening(Kind.RELEASE, tuple(contact for contact, force in lost if force <= 0.0))
-    shorter = length / MOST_GROWTH if first else 0.5 * length
-    motion.limit = max(min(shorter, _until_release(motion)), 0.5 * plan.shortest)
-    return None
+    if first and length > plan.instant:
+        # An interval of an instant shows whether the force is gone from the beginning.
+        motion.limit = plan.instant
+        return None
+    forces = motion.rigid.normal(result.totals)
+    lost = [contact for contact, force in zip(motion.ordered, forces, strict=True) if force <= 0.0]
+    if lost:
+        for contact in motion.ordered:
+            if first and contact.stopped:
+                return Happening(Kind.SLIPS, contact, -contact.stopped)
+        if length > plan.shortest and not (first and system.mechanism.single_link):
+            shorter = length / MOST_GROWTH if first else 0.5 * length
+            motion.limit = max(min(shorter, _until_release(motion)), 0.5 * plan.shortest)
+            return None
+    if slipping is None:
+        return Happening(Kind.RELEASE, tuple(lost))
+    sense = -1 if sums_of(result.totals, slipping).tangential > 0.0 else 1
+    return Happening(Kind.SLIPS, motion.contacts[slipping], sense)
 
 
 def _until_release(motion: Motion) -> float:
@@ -219,29 +218,6 @@ def _until_release(motion: Motion) -> float:
     return BEYOND_RELEASE * min(
         (contact.vanishes_in for contact in motion.contacts), default=math.inf
     )
-
-
-def up_to_first_event(
-    system: System, motion: Motion, interval: Interval
-) -> tuple[Interval, Happening | None]:
-    """Return an interval shortened to its first event, and this event; without an event, the whole
-    interval and None.
-    """
-    # Events of contacts come first: a contact that slides onto the neighbouring link is not a new
-    # touch of that link.
-    changed, triggered = first_change(system, motion.events, interval)
-    active = [contact.pair for contact in motion.contacts]
-    interval, touch = first_touch_of_all(system, changed, active, motion.separating)
-    if interval is not changed:
-        triggered = None
-    for event in motion.events:
-        if event is triggered:
-            event.sign = -(event.sign or 0.0)
-        else:
-            event.follow(interval.end)
-    if triggered is None:
-        return interval, touch
-    return interval, Happening(triggered.kind, triggered.subject)
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:

@@ -31,10 +31,11 @@ from bristle_sim.scene.decide import decide, first_motion
 from bristle_sim.scene.events import Happening
 from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.motion import Motion, accept, integrate, up_to_first_event
+from bristle_sim.scene.motion import Motion, accept, integrate
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.system import Plan, System
 from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool, contact_law
+from bristle_sim.scene.touches import first_event
 from bristle_sim.settings import EVENTS, Settings, StopReason, checked_name
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import shown
@@ -179,7 +180,7 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
             break
         interval, event = integrate(system, motion)
         if interval is not None:
-            interval, event = up_to_first_event(system, motion, interval)
+            interval, event = first_event(system, motion, interval)
             accept(system, motion, interval)
         log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
         if interval is None and event is None:

@@ -121,7 +121,7 @@ def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:
             angles=angles,
             rates=tuple([rate / units.time for rate in rates]),
             contacts=tuple([contact_state(contact, units) for contact in motion.contacts]),
-            event="" if event is None else event.kind.name.lower().replace("_", " "),
+            event="" if event is None else event.kind.replace("_", " "),
             events=tuple([recorded.name for recorded, _ in recording.events[event_count:]]),
             impacts=contacts_in_si(recording.contacts[record_count:], system.mechanism, 0, units),
             stop_reason=recording.stop_reason,

@@ -1,4 +1,4 @@
-"""Find the first touch of a link and an obstacle within an interval, without missing one.
+"""Find the first event within an interval, without missing the touch of a link and an obstacle.
 
 Gaps are searched on the interval's interpolating polynomial by conservative advancement (Mirtich
 1996): a gap g cannot close before the time g / (largest speed), so the search never steps over a
@@ -12,8 +12,9 @@ from collections.abc import Callable, Sequence
 from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.locate import Interval, locate, settle
+from bristle_sim.scene.locate import Interval, first_change, locate, settle
 from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.motion import SHORTEST_INTERVAL, Motion
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.system import System
 
@@ -42,9 +43,6 @@ LOCATED_GAP = 1e-6
 """Tolerance of the gap at a located touch, over the run's accuracy. It is small, because the error
 of the time is the gap over the speed of approach."""
 
-# shortest interval, in engine time units: a shorter one is not accurate, and a motion of this
-# length counts as an instant
-SHORTEST_INTERVAL = 1e-13
 OPENING = (
     1.0 / 16.0
 )  # time in which the gap of a released pair must open, over the interval between samples
@@ -52,56 +50,67 @@ LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, over the 
 MOST_HALVINGS = 40  # largest number of bisections of an interval, down to rounding error
 
 Found = tuple[Interval, Happening | None]
-"""The interval up to a touch, and the touch; or the interval up to a minimum of the gap without a
+"""The interval up to an event, and the event; or the interval up to a minimum of a gap without a
 touch, and None."""
 
 
-def first_touch_of_all(
+def first_event(system: System, motion: Motion, interval: Interval) -> Found:
+    """Return the interval shortened to its first event, and this event; or shortened to a near
+    miss, or the whole interval, and None.
+
+    Events of contacts come before touches: a contact that slides onto the neighbouring link is not
+    a new touch of that link.
+    """
+    interval, changed = first_change(system, motion.events, interval)
+    first = None if changed is None else Happening(changed.kind, changed.subject)
+    sustained = [contact.pair for contact in motion.contacts]
+    for pair in system.pairs:
+        if pair not in sustained and interval.length > 0.0:
+            found = _touch(system, interval, pair, sustained, motion.separating)
+            if found is not None:
+                interval, first = found
+                changed = None
+    for event in motion.events:
+        if event is changed:
+            event.sign = -(event.sign or 0.0)
+        else:
+            event.follow(interval.end)
+    return interval, first
+
+
+def _touch(
     system: System,
     interval: Interval,
+    pair: ContactPair,
     sustained: Sequence[ContactPair],
     separating: Sequence[ContactPair],
-) -> Found:
-    """Return the interval shortened to its first touch or near miss, and the touch or None.
+) -> Found | None:
+    """Return the interval shortened to a pair's first touch, and the touch; or shortened to a near
+    miss, and None. If the gap stays open, or stays closed, a single None is returned.
 
     Args:
         system: the run.
         interval: the interval.
-        sustained: pairs in sustained contact, which are left out.
+        pair: the pair.
+        sustained: pairs in sustained contact.
         separating: released pairs, whose gaps must first open.
     """
-    first: Happening | None = None
-    several = system.mechanism.wire_links > 1
-    # A released pair is searched from this time on if its gap has opened by then.
-    soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
-    for pair in system.pairs:
-        if pair in sustained or interval.length <= 0.0:
-            continue
-        if pair in separating:
-            opened = False
-            if interval.length > soon:
-                touch = system.gaps.closest(pair, interval.at(soon))
-                clear = touch.gap > GAP_ROUNDING + _error(system, interval)
-                opened = clear and touch.velocity[0] > 0.0
-            if opened:
-                found = find_touch(system, interval, pair, soon / interval.length)
-            else:
-                found = _search_hop(system, interval, pair, soon)
-        elif (sustained and _rests(system, interval, pair)) or (
-            several and system.behind_joint(pair, [*separating, *sustained], interval.end.state)
-        ):
-            continue
-        else:
-            found = find_touch(system, interval, pair)
-        if found is not None:
-            interval, first = found
-    return interval, first
-
-
-def _rests(system: System, interval: Interval, pair: ContactPair) -> bool:
-    """Return whether a pair's gap is closed and stays closed during the interval."""
+    gaps = system.gaps
+    if pair in separating:
+        soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
+        if interval.length > soon:
+            touch = gaps.closest(pair, interval.at(soon))
+            if touch.velocity[0] > 0.0 and touch.gap > GAP_ROUNDING + _error(system, interval):
+                return find_touch(system, interval, pair, soon / interval.length)
+        return _search_hop(system, interval, pair, soon)
     times = (0.0, 0.5 * interval.length, interval.length)
-    return all(abs(system.gaps.gap(pair, interval.at(time))) <= GAP_ROUNDING for time in times)
+    rests = sustained and all(
+        abs(gaps.gap(pair, interval.at(time))) <= GAP_ROUNDING for time in times
+    )
+    behind = system.mechanism.wire_links > 1 and system.behind_joint(
+        pair, [*separating, *sustained], interval.end.state
+    )
+    return None if rests or behind else find_touch(system, interval, pair)
 
 
 def _search_hop(
