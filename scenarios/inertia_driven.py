@@ -34,7 +34,7 @@ def thrown(report: Report) -> Trajectory:
         raise ValueError(
             "motion: the bristle must become radial again; its inertia throws it beyond the limit of retraction"
         )
-    motion: Trajectory = report.subject.radial.trajectory
+    motion: Trajectory = report.subject.radial
     return motion
 
 

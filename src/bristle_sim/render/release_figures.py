@@ -134,8 +134,8 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
         end = f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
     runs = [(driven.pass_with_bar, BLUE, "bar-cued", end)]
     if radial is not None:
-        end = f"{radial.tip_speed:.1f} m/s when radial"
-        runs.append((radial.trajectory, VERMILION, "thrown by its inertia", end))
+        end = f"{radial.tip_speed[-1]:.1f} m/s when radial"
+        runs.append((radial, VERMILION, "thrown by its inertia", end))
     for run, color, name, words in runs:
         course = run.course()
         turned, retraction = np.degrees([course.hub_angle - run.hub_angle[0], course.retraction])

@@ -13,16 +13,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import newton
+from scipy.optimize import brentq, newton
 
 from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import require_result, require_rigid
+from bristle_sim.studies.whole_pass import require_result, require_rigid, run_fields
 from bristle_sim.theory import cueing, inertia_drive
-from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory import Interpolation, Trajectory
 
 QUANTITIES = {
     "largest_retraction_deg": ("largest retraction", "deg"),
@@ -38,9 +38,9 @@ HALF_PERIODS = 1.3
 # Number of times that this duration is doubled before the bristle counts as never returning
 DOUBLINGS = 6
 LEAST_TURN = 1e-12  # smallest angle by which the hub may turn in a run, rad
-# Smallest relative rate, over the pulley's rate, at which the bristle counts as passing the radial
-# direction. An overdamped bristle creeps towards it and passes it by rounding errors alone.
-LEAST_RATE = 1e-6
+# Smallest angle beyond the radial direction, over the largest retraction, at which the bristle counts
+# as having passed it. An overdamped bristle creeps towards it and passes it by rounding errors alone.
+LEAST_OVERSHOOT = 1e-6
 # Largest number of iterations of the secant method for the hub speed; few are needed, as the tip
 # speed is nearly proportional to it
 TRIES = 20
@@ -51,34 +51,15 @@ for a time in s."""
 
 
 @dataclass(frozen=True, slots=True)
-class Radial:
-    """State of the bristle when it is radial again.
-
-    Attributes:
-        time: time since the entry into the pulley, s.
-        relative_rate: angular velocity relative to the pulley, rad/s.
-        retraction: largest retraction until then, rad.
-        tip_speed: speed of the tip, m/s.
-        trajectory: motion from the entry until then.
-    """
-
-    time: float
-    relative_rate: float
-    retraction: float
-    tip_speed: float
-    trajectory: Trajectory
-
-
-@dataclass(frozen=True, slots=True)
 class InertiaDriven:
-    """Results of the study: the tool, the state of its bristle when it is radial again, and the
-    bar-cued pass.
+    """Results of the study: the tool, the motion of its bristle from the entry into the pulley until
+    it is radial again, and the bar-cued pass.
 
-    The state is None if the bristle does not become radial again.
+    The motion is None if the bristle does not become radial again.
     """
 
     tool: Tool
-    radial: Radial | None
+    radial: Trajectory | None
     pass_with_bar: Trajectory
 
 
@@ -112,59 +93,48 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     strike_speed = _tip_speed_at_strike(with_bar)
     simulated = _values(tool, run, radial, strike_speed)
     # The error of the motion is relative to the first rate; a slow return magnifies it.
-    slow = 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
+    slow = 1.0
+    fields = {}
+    if radial is not None:
+        slow = max(1.0, tool.hub.speed / float(radial.relative_rate[-1]))
+        fields = run_fields(radial) | {"events": (("radial", float(radial.time[-1])),)}
+    if not fields.get("not_reached"):
+        fields["not_reached"] = with_bar.accuracy_not_reached
     allowed = slow * max(1e-8, 10.0 * settings.accuracy)
     # The bar-cued strike has an error of ten times the accuracy of the motion.
     within = dict.fromkeys(QUANTITIES, allowed) | {"hub_speed_for_equal_tip_speed": 10.0 * allowed}
     reference = _reference(tool) if with_reference else {}
+    theory = _theory(tool, strike_speed)
     return Report(
-        quantities=rows(
-            QUANTITIES, simulated, _theory(tool, strike_speed), reference, tolerances=within
-        ),
-        events=() if radial is None else (("radial", radial.time),),
-        wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
-        steps=0 if radial is None else radial.trajectory.cost.steps,
-        not_reached=("" if radial is None else radial.trajectory.accuracy_not_reached)
-        or with_bar.accuracy_not_reached,
+        quantities=rows(QUANTITIES, simulated, theory, reference, tolerances=within),
+        **fields,
         subject=InertiaDriven(tool, radial, with_bar),
-        answer=_answer(
-            radial, strike_speed, with_bar.stop_reason, simulated["hub_speed_for_equal_tip_speed"]
-        ),
+        answer=_answer(simulated, strike_speed, with_bar.stop_reason),
     )
 
 
-def until_radial(tool: Tool, run: BareRun) -> Radial | None:
-    """Return the state of the bristle when it is radial again; None if it never is."""
+def until_radial(tool: Tool, run: BareRun) -> Trajectory | None:
+    """Return the motion of the bristle until it is radial again; None if it never is."""
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
-    inertia = bare.bristle.inertia_about_root
     if not stiffness:
         return None
-    length = HALF_PERIODS * math.pi * math.sqrt(inertia / stiffness)
+    length = HALF_PERIODS * math.pi * math.sqrt(bare.bristle.inertia_about_root / stiffness)
     for doubling in range(DOUBLINGS + 1):
         found = run(bare, length * 2.0**doubling)
-        lagging = 1 + np.flatnonzero(
-            (found.relative_angle[1:-1] < 0.0) & (found.relative_angle[2:] >= 0.0)
-        )
-        if lagging.size:
+        angle = found.relative_angle
+        least = LEAST_OVERSHOOT * float(found.retraction.max())
+        ahead = np.flatnonzero(angle > least)
+        if ahead.size:
             break
         if found.event_time("retraction limit") is not None:
             return None
     else:
         return None
-    passing = slice(lagging[0], lagging[0] + 2)
-    time = float(np.interp(0.0, found.relative_angle[passing], found.time[passing]))
-    for _ in range(3):  # the distance from the radial direction is squared in each run
-        end = run(bare, time)
-        rate = float(end.relative_rate[-1])
-        # Near alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
-        missing = -float(end.relative_angle[-1]) / rate
-        time = float(end.time[-1]) + missing
-        rate = rate * (1.0 - bare.belt_damping / inertia * missing)
-    if rate < LEAST_RATE * bare.hub.speed:
-        return None
-    speed = bare.bristle.length * (rate + bare.hub.speed) + bare.hub.radius * bare.hub.speed
-    return Radial(min(time, float(end.time[-1])), rate, float(end.retraction.max()), speed, end)
+    behind = np.flatnonzero(angle[: ahead[0]] < -least)
+    sides = found.time[[behind[-1], ahead[0]]].tolist()
+    motion = Interpolation(found)
+    return run(bare, brentq(lambda time: float(motion(time).relative_angle), *sides, xtol=1e-18))
 
 
 def _reference(tool: Tool) -> Values:
@@ -179,21 +149,24 @@ def _reference(tool: Tool) -> Values:
     return _values(tool, run, until_radial(tool, run), _tip_speed_at_strike(with_bar))
 
 
-def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float | None) -> Values:
+def _values(
+    tool: Tool, run: BareRun, radial: Trajectory | None, strike_speed: float | None
+) -> Values:
     if radial is None:
         return dict.fromkeys(QUANTITIES)
     equal = None if strike_speed is None else _equal_hub_speed(tool, run, radial, strike_speed)
-    sides = (
-        math.degrees(radial.retraction),
-        radial.time,
-        radial.relative_rate,
-        radial.tip_speed,
-        equal,
-    )
-    return dict(zip(QUANTITIES, sides, strict=True))
+    return {
+        "largest_retraction_deg": math.degrees(radial.retraction.max()),
+        "time_to_radial": float(radial.time[-1]),
+        "relative_speed_at_radial": float(radial.relative_rate[-1]),
+        "tip_speed_at_radial": float(radial.tip_speed[-1]),
+        "hub_speed_for_equal_tip_speed": equal,
+    }
 
 
-def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float) -> float | None:
+def _equal_hub_speed(
+    tool: Tool, run: BareRun, radial: Trajectory, strike_speed: float
+) -> float | None:
     """Return the pulley speed at which the tip, when radial again, has the bar-cued tip's
     ``strike_speed``, by the secant method.
 
@@ -202,14 +175,14 @@ def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: flo
 
     def missing(speed: float) -> float:
         """Return the difference of the tip's speed and the bar-cued tip's speed, m/s."""
-        tried = (
-            radial if speed == tool.hub.speed else until_radial(tool.replace(hub_speed=speed), run)
-        )
+        tried: Trajectory | None = radial
+        if speed != tool.hub.speed:
+            tried = until_radial(tool.replace(hub_speed=speed), run)
         if tried is None:
             raise RuntimeError
-        return tried.tip_speed - strike_speed
+        return float(tried.tip_speed[-1]) - strike_speed
 
-    guess = tool.hub.speed * strike_speed / radial.tip_speed
+    guess = tool.hub.speed * strike_speed / float(radial.tip_speed[-1])
     try:
         return float(
             newton(missing, tool.hub.speed, x1=guess, tol=1e-300, rtol=1e-11, maxiter=TRIES)
@@ -250,15 +223,16 @@ def _theory(tool: Tool, strike_speed: float | None) -> Values:
     )
 
 
-def _answer(
-    radial: Radial | None, strike_speed: float | None, stop_reason: str, equal: float | None
-) -> str:
-    if radial is None:
+def _answer(simulated: Values, strike_speed: float | None, stop_reason: str) -> str:
+    speed = simulated["tip_speed_at_radial"]
+    time = simulated["time_to_radial"]
+    equal = simulated["hub_speed_for_equal_tip_speed"]
+    if speed is None or time is None:
         return "The bristle does not come back to the radial direction: it leans over by 90°, or creeps."
-    own = f"Without a bar the tip reaches {amount(radial.tip_speed, 'm/s')} after {amount(radial.time, 's')}"
+    own = f"Without a bar the tip reaches {amount(speed, 'm/s')} after {amount(time, 's')}"
     if strike_speed is None:
         return f"{own}; with the bar there is no strike to compare with ({stop_reason})."
-    compared = f"{own}, {100.0 * radial.tip_speed / strike_speed:.0f} % of the {amount(strike_speed, 'm/s')} with a bar"
+    compared = f"{own}, {100.0 * speed / strike_speed:.0f} % of the {amount(strike_speed, 'm/s')} with a bar"
     if equal is None:
         return f"{compared}; at no pulley speed is it as fast, as the bristle leans over first."
     return f"{compared}; to reach that speed the pulley must turn at {60.0 * equal / math.tau:.0f} rpm ({equal:.1f} rad/s)."

@@ -146,14 +146,7 @@ def least_pitch(
         of_follower: whether ``until`` is an instant of the follower's own pass, which is later by
             the pitch, and not of the pass of the bristle in front.
         largest: pitch from which the search goes downwards, rad; the wires must not touch there.
-
-    Raises:
-        ValueError: if the wire has no thickness.
     """
-    if not wire_diameter > 0.0:
-        raise ValueError(
-            f"wire_diameter = {wire_diameter:g}: must be above 0, or wires have no surface to touch (in m)"
-        )
     last = float(lone.time[-1])
 
     def gap(pitch: float) -> float:
