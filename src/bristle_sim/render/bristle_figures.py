@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import cycle
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +12,13 @@ from matplotlib.figure import Figure
 from bristle_sim.arrays import Array
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SERIES, VERMILION
-from bristle_sim.render.drawing import View, WireDrawing, close_up, draw_film_tool, touch_places
+from bristle_sim.render.drawing import (
+    WireDrawing,
+    draw_film_tool,
+    show_points,
+    show_wires,
+    touch_places,
+)
 from bristle_sim.studies.bent_bristles import BentBristles, against_film
 from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
 from bristle_sim.trajectory import ContactRecord
@@ -24,7 +29,7 @@ NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward 
 # Time shown before the first touch and after the last touch, s
 BEFORE = 0.6e-3
 AFTER = 1.1e-3
-MARKS: dict[str, dict[str, Any]] = {
+MARKS: dict[str, style.Look] = {
     "path before touch": {"linestyle": "--", "linewidth": 1.0},
     "in touch": {"linewidth": 2.6},
     "after touch": {"linewidth": 1.0},
@@ -48,33 +53,40 @@ def bent_figure(bent: BentBristles) -> Figure:
     """
     figure = style.blank_figure(16.0, 17.2)
     words = "to scale, from the point of strike"
-    wires = style.add_panel(figure, (1.4, 9.2, 4.6, 5.6), "the wires as they strike", words)
-    paths = style.add_panel(
-        figure, (7.6, 9.2, 8.0, 5.6), "the tips' paths before, in and after touch", words
-    )
-    slides = style.add_panel(
-        figure, (1.4, 2.4, 14.2, 4.7), "displacement of the tips along the workpart while in touch"
-    )
-    struck = {shape: run.first_contact("workpart") for shape, run in bent.trajectories.items()}
-    for shape, contact in struck.items():
+    labels = {"xlabel": "along the workpart (mm)", "ylabel": "above the workpart (mm)"}
+    place = (1.4, 9.2, 4.6, 5.6)
+    wires = style.add_panel(figure, place, "the wires as they strike", words, **labels)
+    title = "the tips' paths before, in and after touch"
+    del labels["ylabel"]
+    paths = style.add_panel(figure, (7.6, 9.2, 8.0, 5.6), title, words, **labels)
+    labels = {"xlabel": "time since the first touch (µs)", "ylabel": "displacement (mm)"}
+    title = "displacement of the tips along the workpart while in touch"
+    slides = style.add_panel(figure, (1.4, 2.4, 14.2, 4.7), title, **labels)
+    shapes: dict[str, style.Look] = {}
+    drawn = []
+    for shape, run in bent.trajectories.items():
+        contact = run.first_contact("workpart")
+        never = " (never strikes)" * (contact is None)
+        shapes[NAMES[shape] + never] = {"color": SHAPES[shape]}
         if contact is not None:
-            _draw_strike((wires, paths, slides), bent, shape, contact)
-    if any(struck.values()):
-        _finish(wires, paths, slides)
+            drawn.append(_draw_strike((wires, paths, slides), bent, shape, contact))
+    for axes, points in zip((wires, paths), zip(*drawn, strict=True), strict=False):
+        ground = (0.0, -0.05 * float(np.ptp(np.concatenate(points)[:, 1])))
+        show_points(axes, [*points, ground], 0.08)
+        axes.axhspan(axes.get_ylim()[0], 0.0, color=LIGHT, linewidth=0.0, zorder=0)
+        axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
+    if drawn:
+        slides.axhline(0.0, color=GREY, linewidth=0.8)
     else:
         for axes in (wires, paths, slides):
             axes.set_axis_off()
             style.say(axes, "no tip strikes the workpart")
     tool = bent.tools["forward"]
-    left = 1.4 / 16.0
     assert tool.workpart is not None
+    left = 1.4 / 16.0
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
     figure.text(left, 1.0 - 0.65 / 17.2, f"Three bristles strike: {what}", fontsize=10.0)
     figure.text(left, 1.0 - 1.15 / 17.2, against_film(bent.slides), fontsize=8.0, color=GREY)
-    shapes = {
-        NAMES[shape] + " (never strikes)" * (contact is None): {"color": SHAPES[shape]}
-        for shape, contact in struck.items()
-    }
     marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
     for height, looks in ((0.75, shapes), (0.25, marks)):
         style.write_key(figure, looks, bbox_to_anchor=(0.5, height / 17.2), borderaxespad=0.0)
@@ -83,52 +95,40 @@ def bent_figure(bent: BentBristles) -> Figure:
 
 def _draw_strike(
     panels: Sequence[Axes], bent: BentBristles, shape: str, contact: ContactRecord
-) -> None:
+) -> tuple[Array, Array]:
+    """Draw a wire, the path of its tip and its displacement in touch.
+
+    Returns:
+        The wire and the tip's path from the first touch on, mm from the point of strike.
+    """
     wires, paths, slides = panels
     run = bent.trajectories[shape]
     color = SHAPES[shape]
-    slide = bent.slides[shape]
-    history = contact.history
-    end = contact.time + contact.duration
-    origin = run.tip[np.searchsorted(run.time, contact.time)]
-    wire = style.MILLIMETRES * (run.at(contact.time).centre_line - origin)
+    touch = contact.time
+    end = touch + contact.duration
+    struck = run.at(touch)
+    wire = style.MILLIMETRES * (struck.centre_line - struck.tip)
     wires.plot(*wire.T, color=color, linewidth=1.8)
     shown = {
-        "path before touch": (contact.time - BEFORE, contact.time),
-        "after touch": (end, end + AFTER),
+        "path before touch": (max(touch - BEFORE, run.time[0]), touch),
+        "in touch": (touch, end),
+        "after touch": (end, min(end + AFTER, run.time[-1])),
     }
+    drawn = {}
     for mark, (first, last) in shown.items():
-        tips = run.at(np.linspace(max(first, run.time[0]), min(last, run.time[-1]), 120)).tip
-        paths.plot(*(style.MILLIMETRES * (tips - origin)).T, color=color, **MARKS[mark])
-    if history is None:
-        return
-    time = np.linspace(contact.time, end, 400)
-    path, above = (style.MILLIMETRES * (run.at(time).tip - origin)).T
-    time = style.MICROSECONDS * (time - contact.time)
-    paths.plot(path, above, color=color, **MARKS["in touch"])
-    slides.plot(time, path, color=color)
-    compressed = int(np.argmin(above))
-    turned = int(np.argmax(path))
-    slides.plot(time[compressed], path[compressed], color=color, **MARKS["compression ends"])
+        time = np.linspace(first, last, 400)
+        drawn[mark] = style.MILLIMETRES * (run.at(time).tip - struck.tip)
+        paths.plot(*drawn[mark].T, color=color, **MARKS[mark])
+    along, above = drawn["in touch"].T
+    time = style.MICROSECONDS * np.linspace(0.0, contact.duration, 400)
+    slides.plot(time, along, color=color)
+    marked = {"compression ends": np.argmin(above)}
+    slide = bent.slides[shape]
     if slide is not None and slide.ending == "turns":
-        slides.plot(time[turned], path[turned], color=color, **MARKS["slip turns back"])
-
-
-def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
-    after = [line for line in paths.lines if line.get_linestyle() != "--"]
-    for axes, lines, shape in ((wires, list(wires.lines), 4.6 / 5.6), (paths, after, 8.0 / 5.6)):
-        points = np.concatenate(
-            [np.column_stack(line.get_data()) for line in lines] or [np.zeros((1, 2))]
-        )
-        ground = [(0.0, -0.05 * float(np.ptp(points[:, 1])))]
-        View.around([points, ground], shape, 0.08).apply(axes)
-        axes.axhspan(axes.get_ylim()[0], 0.0, color=LIGHT, linewidth=0.0, zorder=0)
-        axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
-        axes.set_xlabel("along the workpart (mm)")
-    wires.set_ylabel("above the workpart (mm)")
-    style.note(paths, "workpart", (1.0, 0.0), (-3.0, 3.0), xycoords="axes fraction", ha="right")
-    slides.axhline(0.0, color=GREY, linewidth=0.8)
-    slides.set(xlabel="time since the first touch (µs)", ylabel="displacement (mm)")
+        marked["slip turns back"] = np.argmax(along)
+    for mark, index in marked.items():
+        slides.plot(time[index], along[index], color=color, **MARKS[mark])
+    return wire, np.concatenate([drawn["in touch"], drawn["after touch"]])
 
 
 BESIDE = 0.02  # distance, deg, from a least pitch to the pitches on either side at which the strike is simulated
@@ -178,41 +178,40 @@ def neighbours_figure(
     last = f"bristle {len(row.bristles)}"
     for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
         words = f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms"
-        axes = style.add_panel(figure, (left, 6.4, 7.6, 5.8), title, words)
-        lines = [run.at(time).centre_line for run in row.bristles]
-        draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
-        for number, (line, color) in enumerate(zip(lines, cycle(SERIES), strict=False), 1):
-            WireDrawing(axes, row.tool, color=color).place(line)
-            place = 0.9 * style.MILLIMETRES * line[0]
-            axes.text(
-                place[0], place[1], str(number), color=color, fontsize=7.0, ha="center", va="center"
-            )
-        places = touch_places(lines, row.tool.bristle.wire_diameter)
-        axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
+        _draw_row(style.add_panel(figure, (left, 6.4, 7.6, 5.8), title, words), row, time)
     alone = strike_values(row.tool, row.lone)
     for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
         title, unit, factor = style.QUANTITIES[name]
-        axes = style.add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of {last}")
+        labels = {"xlabel": "pitch (°)", "ylabel": unit}
+        axes = style.add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of {last}", **labels)
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
-        look: dict[str, Any] = {
-            "color": VERMILION,
-            "markersize": 2.6,
-            "label": f"{last} of the row",
-        }
+        look: style.Look = {"color": VERMILION, "markersize": 2.6, "label": f"{last} of the row"}
         axes.plot(pitches, factor * strikes[name], "o", **look)
         for each in row.least:
             if (least := each.by_theory) is not None:
                 words, dashes = LEAST[each.name]
                 look = {"color": BLACK, "linewidth": 0.8, "label": f"{least:.2f}°: {words}"}
                 axes.axvline(least, dashes=dashes, zorder=1, **look)
-        axes.set(xlabel="pitch (°)", ylabel=unit, xlim=(0.0, None))
+        axes.set_xlim(left=0.0)
         style.span_at_least(axes, LEAST_SPAN)
         if np.isnan(strikes[name]).all():
             style.say(axes, "no strike at any pitch")
     handles, _ = axes.get_legend_handles_labels()
     figure.legend(handles=handles, loc="lower center", ncols=3, borderaxespad=0.2)
     return figure
+
+
+def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
+    lines = [run.at(time).centre_line for run in row.bristles]
+    show_wires(axes, row.tool, lines)
+    draw_film_tool(axes, row.tool, 7.0)
+    for number, (line, color) in enumerate(zip(lines, cycle(SERIES), strict=False), 1):
+        WireDrawing(axes, row.tool, color=color).place(line)
+        x, y = 0.9 * style.MILLIMETRES * line[0]
+        axes.text(x, y, str(number), color=color, fontsize=7.0, ha="center", va="center")
+    places = touch_places(lines, row.tool.bristle.wire_diameter)
+    axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
 
 
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:

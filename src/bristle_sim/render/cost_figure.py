@@ -9,7 +9,6 @@ import itertools
 import math
 import textwrap
 from collections.abc import Sequence
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -24,7 +23,7 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
 )
 from bristle_sim.benchmarks.accuracy_cost.study import AccuracyCost, comparisons
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
-from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
+from bristle_sim.render.style import MILLISECONDS, Look, axes_at, blank_figure, note, styled
 
 WIDTH = 16.0  # printed width of the page's text, cm
 PANEL = (6.3, 5.6)
@@ -37,7 +36,7 @@ panels, and distances of the legend and of the notes below a panel."""
 
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order of drawing
 PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
-HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
+HEAVY: Look = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 PEER = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 0.8, "zorder": 2}
 """Styles of this project's curves, and of the curves of other packages."""
 

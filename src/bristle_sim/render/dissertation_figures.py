@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,7 +19,15 @@ from matplotlib.transforms import Bbox
 from bristle_sim.dissertation.redrawn import SOURCES, Panel, Redrawn
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, SERIES, VERMILION
-from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled, write_key
+from bristle_sim.render.style import (
+    Look,
+    axes_at,
+    blank_figure,
+    note,
+    save_figure,
+    styled,
+    write_key,
+)
 
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
@@ -35,7 +42,7 @@ HEAD = 1.2
 """Heights, cm, of the legend of points, and of a page's title and note."""
 
 NOTHING = 1e-12  # largest value, in the unit shown, that is rounding error of zero
-OPERATING_POINT: dict[str, Any] = {
+OPERATING_POINT: Look = {
     "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "markeredgewidth": 0.65,
     "linestyle": "none",
 }  # fmt: skip
@@ -45,8 +52,8 @@ _SIDES = {"right": ((6, -9), "left"), "left": ((-5, -11), "right"), "above": ((0
 """Offset of a mark's label, in points, and alignment of the label, by side."""
 
 POINT = {"markeredgewidth": 0.9, "linestyle": "none"}
-_CIRCLE: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"}
-_LOOKS: dict[str, dict[str, Any]] = {
+_CIRCLE: Look = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"}
+_LOOKS: dict[str, Look] = {
     **dict.fromkeys(("energetic", "printed", "motion"), _CIRCLE),
     "compliant": {"marker": "x", "markersize": 4.2},
     "engine": {
@@ -99,7 +106,7 @@ def draw(figure: Redrawn) -> Figure:
 
 def write_points_key(page: Figure, panels: Iterable[Panel]) -> None:
     """Write the legend of the points of some panels at the foot of a page."""
-    key: dict[str, dict[str, Any]] = {}
+    key: dict[str, Look] = {}
     for panel in panels:
         for source in (source for curve in panel.curves for source in curve.points):
             key[SOURCES[source].words] = {"color": BLACK, **POINT, **_LOOKS[source]}
@@ -161,7 +168,7 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
             axes.plot(x * at, y * values, zorder=3, **{"color": color, **POINT, **_LOOKS[source]})
     dashes = iter([(4.0, 2.0), (1.0, 1.5)])
     for level in panel.levels:
-        look: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "zorder": 1, "label": level.label}
+        look: Look = {"color": GREY, "linewidth": 0.9, "zorder": 1, "label": level.label}
         if level.upright:
             line = axes.axvline(x * level.value, dashes=(3.0, 2.0), **look)
         else:
@@ -170,7 +177,7 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     for mark in panel.marks:
         place = (x * mark.x, y * mark.y)
         offset, side = _SIDES[mark.side]
-        dot: dict[str, Any] = (
+        dot: Look = (
             {"color": BLACK, "marker": "o", "markersize": 4.5} if mark.label else OPERATING_POINT
         )
         axes.plot(*place, zorder=5, **dot)

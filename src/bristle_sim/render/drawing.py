@@ -5,21 +5,21 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
-from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.patches import Circle, FancyArrowPatch
 from matplotlib.patheffects import withStroke
+from matplotlib.quiver import Quiver
 from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
-from bristle_sim.render.style import MILLIMETRES, scale_for
+from bristle_sim.render.style import MILLIMETRES, Look
 
 LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
 # Largest distance of a drawn bar from the hub's centre, over the wires' largest distance
@@ -27,162 +27,120 @@ BAR_SHOWN = 2.0
 HUB_COLOUR = "#f3f3f3"
 BAR_COLOUR = "#bdbdbd"
 
-GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
-"""Style of parts at rest: a workpart or the bracket of a hinge."""
+GROUND: Look = {
+    "facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////", "xmin": -1.0, "xmax": 2.0,
+}  # fmt: skip
+"""Style of the workpart, drawn with ``axhspan``; its sides lie outside the axes."""
 
 
-class View(NamedTuple):
-    """The rectangle that a drawing shows, in the unit of the drawn points."""
+def show_points(axes: Axes, points: Sequence[ArrayLike], margin: float) -> None:
+    """Make axes show arrays of points, each of shape (..., 2), with equal scales in both directions.
 
-    left: float
-    right: float
-    bottom: float
-    top: float
-
-    @classmethod
-    def around(cls, points: Sequence[ArrayLike], aspect: float | None, margin: float) -> View:
-        """Return the smallest rectangle that contains arrays of points, each of shape (..., 2).
-
-        ``aspect`` is the ratio of width to height, if prescribed. ``margin`` is the width of the
-        free border as a fraction of the points' larger extent.
-        """
-        every = np.concatenate([np.reshape(each, (-1, 2)) for each in points])
-        (left, bottom), (right, top) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
-        border = margin * max(right - left, top - bottom, 1e-300)
-        width, height = right - left + 2.0 * border, top - bottom + 2.0 * border
-        aspect = aspect or width / height
-        across = max(0.0, height * aspect - width) / 2.0 + border
-        up = max(0.0, width / aspect - height) / 2.0 + border
-        return cls(left - across, right + across, bottom - up, top + up)
-
-    def apply(self, axes: Axes) -> None:
-        """Make axes show this rectangle, with equal scales in both directions."""
-        axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top))
-        axes.set_aspect("equal", adjustable="box")
+    ``margin`` is the least width of the free border, as a fraction of the points' larger extent.
+    """
+    every = np.concatenate([np.reshape(each, (-1, 2)) for each in points])
+    extent = np.ptp(every, axis=0)
+    size = extent + 2.0 * margin * extent.max()
+    aspect = axes.get_window_extent().width / axes.get_window_extent().height
+    size = np.maximum(size, size[::-1] * [aspect, 1.0 / aspect])
+    low = 0.5 * (every.min(axis=0) + every.max(axis=0) - size)
+    (left, bottom), (right, top) = low, low + size
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
 
 
-def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> View:
-    """Return the smallest rectangle, mm, that shows the wires, a bar near them and the workpart's
-    surface.
+def show_wires(axes: Axes, tool: Tool, lines: ArrayLike, margin: float = 0.05) -> None:
+    """Make axes show wires, a bar near them and the workpart's surface, in mm.
 
     ``lines`` holds the points of the wires, shape (..., 2), m.
     """
-    points = [lines]
-    reach = BAR_SHOWN * float(np.hypot(lines[..., 0], lines[..., 1]).max())
+    wires = np.asarray(lines)
+    points = [wires]
+    reach = BAR_SHOWN * float(np.hypot(wires[..., 0], wires[..., 1]).max())
     if tool.bar is not None and math.hypot(*tool.bar.centre) < reach:
-        points.append(
-            np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
-        )
+        points += [np.add(tool.bar.centre, sign * tool.bar.radius) for sign in (-1.0, 1.0)]
     if tool.workpart is not None:
-        points.append(np.array([[lines[..., 0].mean(), -tool.workpart_depth]]))
-    return View.around([MILLIMETRES * each for each in points], aspect, margin)
+        points.append(np.array([wires[..., 0].mean(), -tool.workpart_depth]))
+    show_points(axes, [MILLIMETRES * each for each in points], margin)
 
 
-def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> FancyArrowPatch:
-    """Add an arrow that :func:`point_arrow` moves later; ``head`` is the size of its head in
-    points.
-    """
-    arrow = FancyArrowPatch(
-        (0.0, 0.0), (0.0, 0.0), arrowstyle="-|>", mutation_scale=head, shrinkA=0.0, shrinkB=0.0
-    )
-    arrow.set(color=color, linewidth=linewidth, zorder=5)
-    axes.add_patch(arrow)
-    return arrow
+def points_per_unit(axes: Axes) -> float:
+    """Return the length, points, that a unit along the x axis has on paper."""
+    width = axes.get_window_extent().width / axes.figure.dpi * 72.0
+    return float(width / np.ptp(axes.get_xlim()))
 
 
-def point_arrow(
-    arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[float, float], shortest: float
-) -> None:
-    """Move an arrow to the given start and end, or hide an arrow shorter than ``shortest``."""
-    arrow.set_visible(math.dist(start, end) > shortest)
-    arrow.set_positions(start, end)
+def add_arrows(axes: Axes, *colors: str) -> Quiver:
+    """Add arrows with the given colours; ``set_offsets`` moves and ``set_UVC`` turns them later."""
+    none = np.zeros(len(colors))
+    units: Look = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "dots"}
+    look: Look = {"width": axes.figure.dpi / 24.0, "minlength": 0.0, "zorder": 5}
+    return axes.quiver(none, none, none, none, color=colors, **units, **look)
 
 
-def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> None:
-    """Draw the background of a film: the tool with the names of its parts, and a scale bar."""
-    view.apply(axes)
+def draw_film_tool(axes: Axes, tool: Tool, letter_size: float) -> None:
+    """Draw the background of a film in axes with their final limits: the tool, and a scale bar."""
     axes.set_axis_off()
-    draw_tool(axes, tool, view)
-    name_parts(axes, tool, letter_size)
-    longest = LONGEST_SCALE_BAR * (view.right - view.left)
+    draw_tool(axes, tool, letter_size)
+    longest = LONGEST_SCALE_BAR * float(np.ptp(axes.get_xlim()))
     decade = 10.0 ** math.floor(math.log10(longest))
-    length = decade * max(
-        step for step in (1.0, 2.0, 5.0) if step * decade <= longest * (1.0 + 1e-9)
-    )
-    shown = scale_for(length / MILLIMETRES, "m")
-    words = f"{length * shown.factor / MILLIMETRES:g} {shown.unit}"
+    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= longest)
     bar = AnchoredSizeBar(
         axes.transData,
         length,
-        words,
+        f"{length:g} mm",
         "lower right",
         pad=0.3,
         borderpad=0.8,
-        size_vertical=0.004 * (view.top - view.bottom),
+        size_vertical=0.004 * float(np.ptp(axes.get_ylim())),
         color=BLACK,
         fontproperties=FontProperties(size=letter_size),
     )
     axes.add_artist(bar)
 
 
-def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
-    """Draw hub, bar and workpart; the hub is the circle of the roots with its sense of rotation.
+def draw_tool(axes: Axes, tool: Tool, letter_size: float) -> None:
+    """Draw hub, bar and workpart with their names, in axes with their final limits.
 
-    A tool without bar or workpart is drawn without them.
-    """
-    radius = tool.hub.radius * MILLIMETRES
-    axes.add_patch(Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8))
-    axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
-    if tool.hub.speed > 0.0:
-        ends = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
-        style = "-|>,head_length=4,head_width=2"
-        bend = "arc3,rad=0.33"
-        axes.add_patch(
-            FancyArrowPatch(
-                *ends, arrowstyle=style, connectionstyle=bend, color=GREY, linewidth=0.8
-            )
-        )
-    if tool.bar is not None:
-        draw_bar(axes, *tool.bar.centre, tool.bar.radius)
-    if tool.workpart is not None:
-        # extent of the workpart beyond the view, mm, so that only its surface shows an edge
-        beyond = 10.0
-        place = (view.left - beyond, view.bottom - beyond)
-        height = -tool.workpart_depth * MILLIMETRES - view.bottom + beyond
-        axes.add_patch(Rectangle(place, view.right - view.left + 2.0 * beyond, height, **GROUND))
-
-
-def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> None:
-    """Draw an accelerator bar as a circle; lengths in m, ``options`` as for a patch of matplotlib."""
-    look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
-    axes.add_patch(
-        Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options))
-    )
-
-
-def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
-    """Write the names of hub, bar and workpart, outlined so that they are legible on any
-    background.
-
+    The hub is the circle of the roots with its sense of rotation. A tool without bar or workpart is
+    drawn without them. The names are outlined so that they are legible on any background;
     ``letter_size`` is in points.
     """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     width = right - left
     height = top - bottom
     radius = tool.hub.radius * MILLIMETRES
+    draw_circle(axes, (0.0, 0.0), tool.hub.radius, facecolor=HUB_COLOUR, edgecolor=GREY)
+    axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
+    if tool.hub.speed > 0.0:
+        ends = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
+        look: Look = {
+            "arrowstyle": "-|>,head_length=4,head_width=2",
+            "color": GREY,
+            "linewidth": 0.8,
+        }
+        axes.add_patch(FancyArrowPatch(*ends, connectionstyle="arc3,rad=0.33", **look))
     # The name of the hub is as near to the hub's centre as the view permits.
     x = float(np.clip(0.3 * radius, left + 0.08 * width, right - 0.08 * width))
     y = float(np.clip(0.35 * radius, bottom + 0.05 * height, top - 0.05 * height))
-    names = {"hub": ((x, y), "center", HUB_COLOUR)} if math.hypot(x, y) < 0.9 * radius else {}
+    names = {"hub": (x, y, HUB_COLOUR)} if math.hypot(x, y) < 0.9 * radius else {}
     if tool.bar is not None:
+        draw_circle(axes, tool.bar.centre, tool.bar.radius)
         x, y = (MILLIMETRES * each for each in tool.bar.centre)
-        names["bar"] = ((x, y), "center", BAR_COLOUR)
+        names["bar"] = (x, y, BAR_COLOUR)
     if tool.workpart is not None:
-        names["workpart"] = ((left + 0.025 * width, bottom + 0.03 * height), "left", "white")
-    look: dict[str, Any] = {"va": "center", "fontsize": letter_size, "zorder": 7, "clip_on": True}
-    for name, (place, side, ground) in names.items():
+        axes.axhspan(bottom - height, -tool.workpart_depth * MILLIMETRES, **GROUND)
+        names["workpart"] = (left + 0.09 * width, bottom + 0.03 * height, "white")
+    for name, (x, y, ground) in names.items():
         halo = [withStroke(linewidth=2.5, foreground=ground)]
-        axes.text(*place, name, ha=side, path_effects=halo, **look)
+        text = axes.text(x, y, name, ha="center", va="center", path_effects=halo)
+        text.set(fontsize=letter_size, zorder=7, clip_on=True)
+
+
+def draw_circle(axes: Axes, centre: Sequence[float], radius: float, **look: Any) -> None:
+    """Draw a hub or a bar, by default a bar; lengths in m, ``look`` as for a patch of matplotlib."""
+    bar = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
+    x, y = (MILLIMETRES * each for each in centre)
+    axes.add_patch(Circle((x, y), MILLIMETRES * radius, **(bar | look)))
 
 
 def toward(angle: ArrayLike) -> Array:
@@ -202,24 +160,19 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
     ``diameter`` is in m.
     """
     places = []
-    for one, other in itertools.pairwise(lines):
-        pairs = [
-            (point, _foot(point, line))
-            for points, line in ((one, other), (other, one))
-            for point in points[1:]
-        ]
-        point, foot = min(pairs, key=lambda pair: math.dist(*pair))
-        if math.dist(point, foot) < 1.05 * diameter:
-            places.append(0.5 * (point + foot))
+    for pair in itertools.pairwise([line @ [1.0, 1.0j] for line in lines]):
+        gaps = []
+        for points, line in (pair, pair[::-1]):
+            along = np.diff(line)
+            start = points[1:, np.newaxis] - line[:-1]
+            part = np.clip((start * along.conj()).real / np.abs(along) ** 2, 0.0, 1.0)
+            across = start - part * along
+            middles = points[1:, np.newaxis] - 0.5 * across
+            gaps += [*zip(np.abs(across).flat, middles.flat, strict=True)]
+        gap, place = min(gaps, key=lambda each: each[0])
+        if gap < 1.05 * diameter:
+            places.append((place.real, place.imag))
     return MILLIMETRES * np.reshape(places, (-1, 2))
-
-
-def _foot(point: Array, line: Array) -> Array:
-    """Return the point of a polyline that is nearest to a given point."""
-    along = np.diff(line, axis=0)
-    part = np.clip(((point - line[:-1]) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
-    feet = line[:-1] + part[:, None] * along
-    return np.asarray(feet[np.argmin(np.hypot(*(point - feet).T))])
 
 
 class WireDrawing:
@@ -241,17 +194,13 @@ class WireDrawing:
 
         ``axes`` must have their final limits.
         """
-        width = (
-            axes.get_window_extent().width / axes.figure.dpi * 72.0 / float(np.ptp(axes.get_xlim()))
-        )
-        thickness = 0.5 + width * tool.bristle.wire_diameter * MILLIMETRES
-        look: dict[str, Any] = {"color": color, "alpha": alpha, "linewidth": thickness}
-        ends: dict[str, Any] = {"solid_capstyle": "butt", "solid_joinstyle": "miter"}
-        (self.wire,) = axes.plot([], [], zorder=4, **look, **ends)
-        (self.root,) = axes.plot(
-            [], [], "o", color=GREEN, markersize=4.5, markeredgecolor="white", zorder=5
-        )
-        self.artists: list[Artist] = [self.wire, self.root]
+        thickness = 0.5 + points_per_unit(axes) * tool.bristle.wire_diameter * MILLIMETRES
+        ends: Look = {"solid_capstyle": "butt", "solid_joinstyle": "miter"}
+        look: Look = {"color": color, "alpha": alpha, "linewidth": thickness, "zorder": 4}
+        (self.wire,) = axes.plot([], [], **look, **ends)
+        look = {"color": GREEN, "markersize": 4.5, "markeredgecolor": "white", "zorder": 5}
+        (self.root,) = axes.plot([], [], "o", **look)
+        self.artists = [self.wire, self.root]
         if details:
             (self.radial,) = axes.plot([], [], color=GREY, linewidth=0.8, dashes=(5, 3), zorder=2)
             (self.ring,) = axes.plot([], [], "o", color=GREY, markersize=3, zorder=3)
@@ -268,8 +217,7 @@ class WireDrawing:
         self.root.set_data(root[:1], root[1:])
         if len(self.artists) > 2:
             length = float(np.hypot(*np.diff(corners, axis=0).T).sum())
-            turns = np.arange(1, 12) * (np.pi / 6.0)
             end = root * (1.0 + length / max(math.hypot(*root), 1e-300))
             self.radial.set_data(*np.array([root, end]).T)
-            roots = np.exp(1j * turns) * complex(*root)
+            roots = np.exp(np.arange(1, 12) * (1j * np.pi / 6.0)) * complex(*root)
             self.ring.set_data(roots.real, roots.imag)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,6 +10,7 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.style import (
     MICROSECONDS,
     MILLISECONDS,
+    Look,
     add_panel,
     add_right_scale,
     blank_figure,
@@ -75,7 +74,7 @@ def force_figure(comparison: ForceComparison) -> Figure:
             ("normal", history.normal_force, (4, 2)),
             ("tangential", history.tangential_force, (1, 1.5)),
         ):
-            look: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8, "dashes": dashes}
+            look: Look = {"color": VERMILION, "linewidth": 0.8, "dashes": dashes}
             axes.plot(MICROSECONDS * contact.time, force, label=name, **look)
         longest = max(longest, float(contact.time[-1]))
         peaks.append((contact.compression_time, contact.peak_force, VERMILION))

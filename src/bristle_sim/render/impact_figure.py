@@ -6,14 +6,13 @@ The energetic law is compared with a contact that is resolved in time.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.style import add_panel, blank_figure, note, say, scale_for, styled
+from bristle_sim.render.style import Look, add_panel, blank_figure, note, say, scale_for, styled
 from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 
@@ -91,7 +90,7 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
         quarter = 0.25 * float(place[1])
         side = -1.0 if values[0] < 0.0 else 1.0
         words_at = (quarter, float(np.interp(quarter, place, values)))
-        look: dict[str, Any] = {"color": color, "fontsize": 9.0}
+        look: Look = {"color": color, "fontsize": 9.0}
         note(axes, name, words_at, (3.0, 3.0 * side), va="top" if side < 0.0 else "bottom", **look)
         if recorded is not None:
             points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
@@ -123,7 +122,7 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
             (motion.replace(" ", "\n") if narrow else motion, 0.89, (start, end), "normal")
         )
     named += [(half, 0.97, place, "bold") for half, place in halves.items()]
-    look: dict[str, Any] = {
+    look: Look = {
         "transform": axes.get_xaxis_transform(),
         "ha": "center",
         "va": "top",
@@ -145,7 +144,7 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
         if 0.0 < place < math.inf:
             near = next((other for other in marks if abs(other - place) < 0.02 * last), place)
             marks.setdefault(near, []).append(name)
-    foot: dict[str, Any] = {
+    foot: Look = {
         "xycoords": axes.get_xaxis_transform(),
         "ha": "right",
         "color": BLACK,

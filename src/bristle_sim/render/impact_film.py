@@ -3,44 +3,113 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
 from bristle_sim.arrays import Array
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION
-from bristle_sim.render.contact_motion import ContactMotion, contact_motion
-from bristle_sim.render.drawing import GROUND, HUB_COLOUR, View, moving_arrow, point_arrow
+from bristle_sim.readable import amount
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SKY, VERMILION
+from bristle_sim.render.drawing import (
+    GROUND,
+    HUB_COLOUR,
+    add_arrows,
+    points_per_unit,
+    show_points,
+)
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
-from bristle_sim.render.story import phase_at
-from bristle_sim.render.style import scale_for, signed, styled
+from bristle_sim.render.story import Phase, phase_at
+from bristle_sim.render.style import Scale, scale_for, signed, styled
 from bristle_sim.studies.contact_laws import Impacts
+from bristle_sim.studies.timed_contact import compression_end, pieces
+from bristle_sim.trajectory import ContactRecord
 
-NORMAL = BLUE
-TANGENTIAL = VERMILION
-PANELS = (
-    ("$v_t$, along\nthe surface", "m/s", {"tangential_velocity": TANGENTIAL}),
-    ("$v_n$, away\nfrom it", "m/s", {"normal_velocity": NORMAL}),
-    ("forces\non the tip", "N", {"normal_force": NORMAL, "tangential_force": TANGENTIAL}),
-)
+COLOURS = {"normal": BLUE, "tangential": VERMILION}
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
-STILL = 1e-6  # largest velocity that is drawn as zero, over the largest velocity
-ARROW = 0.13  # length of the arrow of the largest velocity, over the height of the drawing
-# length of the arrow of the largest force, as a fraction of the drawing's height
+# Free motion shown before and after the contact, as fractions of its duration
+BEFORE = 0.10
+AFTER = 0.18
+# Length of the arrow of the largest force, as a fraction of the height of the enlarged drawing
 LONGEST_FORCE = 0.28
-LETTERS = 15.0  # height of the letters in a picture of default size, px
-# Least depth at separation for which the picture has an explanation, over the largest depth.
+# Least depth at separation for which the picture has an explanation, over the largest depth
 CRATER = 0.02
-# Radius and length of the enlarged end of the rod, not to scale, points in a picture of default
-# size.
-TIP_RADIUS = 9.0
-ROD_LENGTH = 300.0
+ROD = "#bcd9ec"  # colour of the enlarged end of the rod
+ROD_WIDTH = 1.9  # its width, not to scale, over the size of the letters
+
+
+@dataclass(frozen=True, slots=True)
+class ContactMotion:
+    """Motion and forces of a contact over time, with free motion before and after it, in SI units.
+
+    Values between two samples are interpolated linearly. Where a force jumps, two samples have the
+    same time.
+
+    Attributes:
+        time: times from the first touch, s; negative before it.
+        samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces
+            on it (``normal_force``, ``tangential_force``, N), and its displacement since the first
+            touch, ``along`` the surface and ``away`` from it, m.
+        phases: phases of the impact with their start times, for example ``compression slip``. The
+            first is the arrival, the last is the outcome.
+        touch_end: end of the contact, s.
+    """
+
+    time: Array
+    samples: dict[str, Array]
+    phases: tuple[Phase, ...]
+    touch_end: float
+
+    def largest(self, kind: str) -> float:
+        """Return the largest magnitude over time of the velocity or of the force."""
+        return float(np.hypot(*(self.samples[f"{part}_{kind}"] for part in COLOURS)).max())
+
+    def at(self, name: str, time: float) -> float:
+        """Return a quantity at a time, s."""
+        return float(np.interp(time, self.time, self.samples[name]))
+
+
+def contact_motion(record: ContactRecord) -> ContactMotion:
+    """Return motion and forces of a recorded contact over time.
+
+    A tip that does not leave the surface remains at rest after the contact.
+
+    Raises:
+        ValueError: if the contact has no history: its law is instantaneous, or the tip did not
+            approach.
+    """
+    history = record.history
+    if history is None or history.time.size < 2:
+        raise ValueError(
+            f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show"
+        )
+    clock = history.time - history.time[0]
+    end = float(clock[-1])
+    leaves = record.outcome == "rebound"
+    time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
+    kept = {"velocity": (1.0, leaves), "force": (0.0, not leaves)}
+    samples = {}
+    for part, path in (("tangential", "along"), ("normal", "away")):
+        for kind, (before, after) in kept.items():
+            values = np.pad(getattr(history, f"{part}_{kind}"), 2, "edge")
+            values[:2] *= before
+            values[-2:] *= after
+            samples[f"{part}_{kind}"] = values
+        speed = samples[f"{part}_velocity"]
+        way = np.append(0.0, np.cumsum(0.5 * np.diff(time) * (speed[1:] + speed[:-1])))
+        samples[path] = way - way[1]
+    # The shortest pieces, beyond the number of phases, are rounding at the end of other pieces.
+    longest = sorted(pieces(clock), key=lambda piece: clock[piece[0]] - clock[piece[1] - 1])
+    begins = sorted(float(clock[first]) for first, _ in longest[: len(record.phases)])
+    phases = [Phase(*each) for each in zip(begins, record.phases, strict=False)]
+    stays = record.outcome in ("stiction", "jam")
+    outcome = Phase(end, record.outcome + ": the tip stays" * stays)
+    return ContactMotion(time, samples, (Phase(time[0], "the tip arrives"), *phases, outcome), end)
 
 
 class TipDrawing:
@@ -51,65 +120,47 @@ class TipDrawing:
     """
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
-        along = motion.samples["along"]
-        depth = motion.samples["depth"]
         self._motion = motion
-        box = axes.get_window_extent()
-        size = 0.62 * letters
-        self.scale = scale_for(max(float(np.ptp(along)), float(np.ptp(depth))), "m")
-        self._path = np.stack([along, -depth], axis=-1) * self.scale.factor
-        view = View.around([self._path], box.width / box.height, 0.5)
-        height = view.top - view.bottom
-        view.apply(axes)
+        path = np.stack([motion.samples["along"], motion.samples["away"]], axis=-1)
+        scale = scale_for(float(np.ptp(path, axis=0).max()), "m")
+        self._factor = scale.factor
+        self._path = path * scale.factor
+        show_points(axes, [self._path], 0.5)
+        bottom, top = axes.get_ylim()
+        height = top - bottom
         axes.grid(visible=False)
-        axes.axhspan(
-            2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0
-        )
+        axes.axhspan(2.0 * bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, zorder=0)
         axes.set_xlabel(
-            f"the tip's displacement along the surface ({self.scale.unit})", fontsize=size
+            f"the tip's displacement along the surface ({scale.unit})", fontsize=letters
         )
-        axes.set_ylabel(f"away from it ({self.scale.unit})", fontsize=size)
-        axes.tick_params(labelsize=0.9 * size)
+        axes.set_ylabel(f"away from it ({scale.unit})", fontsize=letters)
+        axes.tick_params(labelsize=0.9 * letters)
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
-        outline = _rod_outline(last_rod) * letters / LETTERS
-        look: dict[str, Any] = {
-            "markerfacecolor": "#bcd9ec",
-            "markeredgecolor": BLUE,
-            "alpha": 0.95,
-        }
-        (self.rod,) = axes.plot(
-            [], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look
-        )
-        self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
-        self.moving = [self.trail, self.rod, *self.forces]
-        strongest = motion.largest("normal_force", "tangential_force") or 1.0
-        self._newton = LONGEST_FORCE / strongest * height
-        self._shortest = 0.02 * height
-        words: dict[str, Any] = {"transform": axes.transAxes, "fontsize": size}
-        left = motion.at("depth", motion.touch_end)
-        if left > CRATER * depth.max():
-            crater = scale_for(left, "m")
-            deep = f"{left * crater.factor:.3g} {crater.unit}"
-            why = f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {deep}, below\nthe old surface."
-            axes.text(0.03, 0.1, why, color=BLACK, **words | {"fontsize": 0.92 * size})
-        axes.text(0.03, 0.02, "normal force", color=NORMAL, **words)
-        axes.text(0.97, 0.02, "friction on the tip", color=TANGENTIAL, ha="right", **words)
+        width = ROD_WIDTH * letters
+        # The end of the rod is round and touches the tip's place from above.
+        end = np.array([0.0, 0.5 * width / points_per_unit(axes)])
+        self._rod = np.array([end, end - 2.0 * height / math.hypot(*last_rod) * last_rod])
+        outline = [withStroke(linewidth=width + 2.0, foreground=BLUE)]
+        (self.rod,) = axes.plot([], [], color=ROD, linewidth=width, path_effects=outline, zorder=3)
+        self.forces = add_arrows(axes, *COLOURS.values())
+        self.moving = [self.trail, self.rod, self.forces]
+        self._newton = LONGEST_FORCE * height / (motion.largest("force") or 1.0)
+        left = -motion.at("away", motion.touch_end)
+        if left > -CRATER * path[:, 1].min():
+            why = f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {amount(left, 'm')}, below\nthe old surface."
+            axes.text(0.03, 0.03, why, transform=axes.transAxes, fontsize=0.92 * letters)
 
     def move(self, time: float) -> None:
         """Move the rod's end, its path so far and the arrows of the forces to a time, s."""
         motion = self._motion
-        factor = self.scale.factor
-        x = motion.at("along", time) * factor
-        y = -motion.at("depth", time) * factor
+        tip = self._factor * np.array([motion.at("along", time), motion.at("away", time)])
         past = self._path[: np.searchsorted(motion.time, time, side="right")]
-        self.trail.set_data(*np.vstack([past, [x, y]]).T)
-        self.rod.set_data([x], [y])
-        up, aside = (
-            motion.at(f"{name}_force", time) * self._newton for name in ("normal", "tangential")
-        )
+        self.trail.set_data(*np.vstack([past, tip]).T)
+        self.rod.set_data(*(tip + self._rod).T)
+        up, aside = (self._newton * motion.at(f"{part}_force", time) for part in COLOURS)
         # The normal arrow ends at the tip, since the rod is above the tip.
-        point_arrow(self.forces[0], (x, y - up), (x, y), shortest=self._shortest)
-        point_arrow(self.forces[1], (x, y), (x + aside, y), shortest=self._shortest)
+        self.forces.set_offsets([tip - [0.0, up], tip])
+        self.forces.set_UVC([0.0, aside], [up, 0.0])
 
 
 class ImpactFilm(Film):
@@ -123,7 +174,7 @@ class ImpactFilm(Film):
     """
 
     size = (960, 540)
-    letter_size = LETTERS
+    letter_size = 15.0
 
     @styled()
     def __init__(
@@ -134,150 +185,93 @@ class ImpactFilm(Film):
                 "contact: not resolved in time for these values; there is no motion to film"
             )
         struck = impacts.strikes["compliant"]
-        surface = impacts.surface
         self.motion = motion = contact_motion(struck.contact)
+        clock = scale_for(motion.touch_end, "s")
         warp = slow_motion(float(motion.time[0]), float(motion.time[-1]), duration)
-        super().__init__(
-            warp, width, height, (NORMAL, TANGENTIAL), scale_for(motion.touch_end, "s")
-        )
-        self.fastest = motion.largest("normal_velocity", "tangential_velocity")
+        super().__init__(warp, width, height, tuple(COLOURS.values()), clock)
+        self.speed = scale_for(motion.largest("velocity"), "m/s")
+        letters = 0.62 * self.letters
+        line = struck.centre_line
         top = 1.0 - HEADER
-        self.chain = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
-        self.arrow = draw_chain(
-            self.chain, struck.centre_line, impacts.chain.hub_radius, 0.62 * self.letters
-        )
+        rods = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
+        draw_rods(rods, line, impacts.chain.hub_radius, letters)
         close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
-        self.tip = TipDrawing(
-            close_up, motion, struck.centre_line[-1] - struck.centre_line[-2], self.letters
-        )
+        self.tip = TipDrawing(close_up, motion, line[-1] - line[-2], letters)
         self.markers: list[tuple[Line2D, str, float]] = []
-        for number, row in enumerate(PANELS):
-            self._draw_panel(number, *row)
-        self.moving = [
-            *self.tip.moving,
-            self.arrow,
-            *self.hands,
-            *(each for each, *_ in self.markers),
-        ]
+        self._draw_panel(0.5, "velocity of the tip", self.speed).legend(loc="upper right")
+        axes = self._draw_panel(0.1, "force on the tip", scale_for(motion.largest("force"), "N"))
+        axes.set_xlabel(f"time since the first touch ({clock.unit})", fontsize=letters)
+        self.moving = [*self.tip.moving, *self.hands, *(each for each, *_ in self.markers)]
+        history = struck.contact.history
+        assert history is not None
         source = f" ({impacts.timing})" if impacts.timing else ""
-        compressed = f"{motion.compression_end * self.clock.factor:.4g} {self.clock.unit}"
-        touched = f"{motion.touch_end * self.clock.factor:.4g} {self.clock.unit}"
+        compressed, touched = (
+            f"{each * clock.factor:.4g} {clock.unit}"
+            for each in (compression_end(history), motion.touch_end)
+        )
+        surface = impacts.surface
         words = f"compression {compressed}{source}\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
-        look: dict[str, Any] = {
-            "ha": "right",
-            "va": "top",
-            "fontsize": 0.66 * self.letters,
-            "color": GREY,
-        }
-        self.figure.text(0.98, 0.985, words, **look)
+        self.figure.text(0.98, 0.985, words, ha="right", va="top", fontsize=letters, color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move drawings and markers to a time, s.
-
-        The arrow of the velocity ends at the tip while the tip arrives, and begins at the tip when
-        it leaves.
-        """
+        """Move the tip and the markers to a time, s."""
         motion = self.motion
-        height = float(np.ptp(self.chain.get_ylim()))
-        tangential = motion.at("tangential_velocity", time)
-        normal = motion.at("normal_velocity", time)
-        x, y = ARROW * height / self.fastest * np.array([tangential, normal])
-        start, end = ((-x, -y), (0.0, 0.0)) if normal < 0.0 else ((0.0, 0.0), (x, y))
-        point_arrow(self.arrow, start, end, shortest=0.006 * height)
         self.tip.move(time)
         for marker, name, factor in self.markers:
             marker.set_data([time * self.clock.factor], [motion.at(name, time) * factor])
-        speed = scale_for(self.fastest, "m/s")
-        words = (("away", normal), ("along", tangential))
         texts = (
-            f"{name} {signed(value * speed.factor, 2, 7)} {speed.unit}" for name, value in words
+            f"{word} {signed(motion.at(f'{part}_velocity', time) * self.speed.factor, 2, 7)} {self.speed.unit}"
+            for word, part in zip(("away", "along"), COLOURS, strict=True)
         )
         half, _, sliding = (phase := phase_at(motion.phases, time).caption).partition(" ")
         return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
 
-    def _draw_panel(self, number: int, title: str, unit: str, lines: dict[str, str]) -> None:
+    def _draw_panel(self, bottom: float, title: str, scale: Scale) -> Axes:
         motion = self.motion
+        kind = title.split(maxsplit=1)[0]
         letters = 0.6 * self.letters
-        height = (1.0 - HEADER - 0.13) / len(PANELS)
-        lowest = number == len(PANELS) - 1
         clock = self.clock.factor
-        bottom = 0.10 + (len(PANELS) - 1 - number) * height
-        axes = self.add_timeline((0.685, bottom, 0.305, height - 0.035), 0.9 * letters)
-        largest = max(motion.largest(name) for name in lines)
-        least = STILL * self.fastest if unit == "m/s" else 0.0
-        scale = scale_for(max(largest, least), unit)
+        axes = self.add_timeline((0.685, bottom, 0.305, 0.33), 0.9 * letters)
         axes.axhline(0.0, color=GREY, linewidth=0.8)
-        for name, color in lines.items():
-            axes.plot(
-                motion.time * clock, motion.samples[name] * scale.factor, color=color, linewidth=1.8
-            )
+        for part, color in COLOURS.items():
+            name = f"{part}_{kind}"
+            values = motion.samples[name] * scale.factor
+            axes.plot(motion.time * clock, values, color=color, linewidth=1.8, label=part)
             (marker,) = axes.plot([], [], "o", color=color, markersize=6, markeredgecolor="white")
             self.markers.append((marker, name, scale.factor))
-        ends = [*(phase.start for phase in motion.phases[1:]), float(motion.time[-1])]
+        ends = [*(phase.start for phase in motion.phases[1:]), motion.time[-1]]
         for phase, end in zip(motion.phases, ends, strict=True):
             color = PHASE_COLOURS.get(phase.caption, "white")
             axes.axvspan(phase.start * clock, end * clock, color=color, linewidth=0.0, zorder=0)
         axes.margins(y=0.1)
-        if largest < least:
-            axes.set_ylim(-least * scale.factor, least * scale.factor)
         axes.set_ylabel(f"{title} ({scale.unit})", fontsize=letters)
-        axes.locator_params(axis="y", nbins=5)
-        axes.tick_params(labelbottom=lowest)
-        axes.set_xlabel(
-            f"time since the first touch ({self.clock.unit})" if lowest else "", fontsize=letters
-        )
+        return axes
 
 
-def draw_chain(
-    axes: Axes, centre_line: Array, hub_radius: float, letters: float
-) -> FancyArrowPatch:
-    """Draw the rods at the strike, with the tip at the origin.
+def draw_rods(axes: Axes, centre_line: Array, hub_radius: float, letters: float) -> None:
+    """Draw the rods at the strike.
 
     Args:
         axes: axes of the drawing.
         centre_line: root, hinges and tip from the hub's centre, shape (corners, 2), m.
         hub_radius: the hub's radius, m; zero for a fixed root.
         letters: size of the letters.
-
-    Returns:
-        The arrow of the tip's velocity.
     """
-    points = centre_line - centre_line[-1]
-    centre = -centre_line[-1]
-    box = axes.get_window_extent()
-    view = View.around([points], box.width / box.height, 0.35)
-    size = view.top - view.bottom
-    width = view.right - view.left
-    x, y = points[0]
-    View(view.left, view.right, -0.15 * size, 0.85 * size).apply(axes)
+    show_points(axes, [centre_line], 0.35)
     axes.set_axis_off()
-    axes.add_patch(Rectangle((view.left - width, -0.3 * size), 3.0 * width, 0.3 * size, **GROUND))
-    if hub_radius > 0.0:
-        axes.add_patch(
-            Circle((centre[0], centre[1]), hub_radius, facecolor=HUB_COLOUR, edgecolor=GREY)
-        )
-        axes.text(x, y + 0.1 * size, "hub", color=GREY, ha="right", fontsize=letters, clip_on=True)
-    else:
-        axes.add_patch(Rectangle((x - 0.04 * size, y), 0.08 * size, 0.04 * size, **GROUND))
-    axes.plot([x], [y], "o", color=GREEN, markersize=7, markeredgecolor="white", zorder=4)
-    axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3)
-    axes.plot(*points[1:-1].T, "o", color="white", markeredgecolor=BLACK, markersize=6, zorder=4)
-    halo = [withStroke(linewidth=3.0, foreground="white")]
-    look: dict[str, Any] = {"color": PURPLE, "fontsize": letters, "path_effects": halo}
-    axes.text(0.5, 0.02, "velocity of the tip", ha="center", transform=axes.transAxes, **look)
-    return moving_arrow(axes, PURPLE, 2.0, 13.0)
-
-
-def _rod_outline(last_rod: Array) -> Array:
-    """Return the outline of the last rod's end, in points, for the enlarged drawing of the tip.
-
-    The rod has a round end, which touches the origin from above, and the inclination of the last
-    rod.
-    """
-    towards_hinge = -last_rod / math.hypot(*last_rod)
-    across = np.array([-towards_hinge[1], towards_hinge[0]])
-    turn = np.linspace(0.0, np.pi, 40)[:, None]
-    end = np.array([0.0, TIP_RADIUS]) + TIP_RADIUS * (
-        np.cos(turn) * across - np.sin(turn) * towards_hinge
+    x, y = centre_line[0]
+    axes.axhspan(axes.get_ylim()[0], centre_line[-1, 1], **GROUND)
+    axes.add_patch(Circle((0.0, 0.0), hub_radius, facecolor=HUB_COLOUR, edgecolor=GREY))
+    root = "hub" if hub_radius else "fixed"
+    axes.annotate(
+        root,
+        (x, y),
+        (-4.0, 16.0),
+        textcoords="offset points",
+        ha="right",
+        color=GREY,
+        fontsize=letters,
     )
-    return np.concatenate([end, end[[-1, 0]] + ROD_LENGTH * towards_hinge, end[:1]])
+    axes.plot(*centre_line.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3)
+    axes.plot(*centre_line[1:-1].T, "o", color="white", markeredgecolor=BLACK, zorder=4)
+    axes.plot([x], [y], "o", color=GREEN, markersize=7, markeredgecolor="white", zorder=4)

@@ -6,17 +6,16 @@ and crater.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, VERMILION
-from bristle_sim.render.drawing import View
+from bristle_sim.render.drawing import show_points
 from bristle_sim.render.style import (
     MICROSECONDS,
     MILLIMETRES,
+    Look,
     add_panel,
     blank_figure,
     draw_colours,
@@ -65,7 +64,7 @@ MAPS = {
 # their jump.
 MOST_ABOVE = 3.0
 SMEAR = 9  # number of positions of the wire that are drawn for one exposure
-LOOKS: dict[str, dict[str, Any]] = {
+LOOKS: dict[str, Look] = {
     "as measured (none: not reached)": {"color": VERMILION, "linewidth": 1.4},
     "nearest pair": {
         "color": BLACK,
@@ -140,7 +139,7 @@ def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
         height.plot(
             MICROSECONDS * (during - strike), lines[-1][:, -1, 1] - ground, zorder=3, **EXPOSED
         )
-    View.around([np.array(lines), np.array([[0.0, ground - 2.0]])], 6.4 / 4.4, 0.03).apply(frames)
+    show_points(frames, [np.array(lines), [0.0, ground - 2.0]], 0.03)
     frames.axhspan(frames.get_ylim()[0], ground, color=LIGHT, zorder=0)
     frames.set(xlabel="along the workpart (mm)", ylabel="above the hub's axis (mm)")
     time = strike + np.linspace(-FOLLOWED, FOLLOWED, 801)

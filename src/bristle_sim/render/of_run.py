@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from bristle_sim.render.drawing import View
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.report import filled
@@ -58,5 +57,10 @@ def summary_page(run: Trajectory) -> str:
     with contextlib.suppress(ValueError):  # the parameters of the run may describe no tool
         tool = run.tool
     path = run.course(points=POINTS).tip if run.time[-1] > run.time[0] else run.tip
-    view = View.around([path, wire], None, MARGIN)
+    points = np.concatenate([path, wire])
+    size = np.ptp(points, axis=0)
+    border = MARGIN * size.max()
+    left, bottom = points.min(axis=0) - border
+    width, height = size + 2.0 * border
+    view = {"left": left, "top": bottom + height, "width": width, "height": height}
     return filled("summary.html.jinja", run=run, path=path, wire=wire, view=view, tool=tool)

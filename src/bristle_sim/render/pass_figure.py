@@ -6,8 +6,9 @@ The curves are retraction, relative rate and energy.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,11 +19,12 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
-from bristle_sim.render.drawing import WireDrawing, close_up, draw_tool, name_parts, toward
+from bristle_sim.render.drawing import WireDrawing, draw_tool, show_wires, toward
 from bristle_sim.render.story import CARRIED, key_events, story_end
 from bristle_sim.render.style import (
     MILLIMETRES,
     MILLISECONDS,
+    Look,
     axes_at,
     blank_figure,
     signed,
@@ -41,14 +43,14 @@ BADGE_GAP = 0.035  # least distance between the numbers above a panel, as a frac
 _WIRES = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
 """Events at which the tool's drawing shows the wire, with their colour. Other events are grey."""
 
-_LOOKS: dict[str, dict[str, Any]] = {
+_LOOKS: dict[str, Look] = {
     "wire, in the colour of its instant": {"color": GREY, "linewidth": 3.0},
     "root in the belt": {"color": GREEN, "linestyle": "none", "marker": "o", "markersize": 4.5},
 }
 
-
-Lines = dict[str, tuple[Array, dict[str, Any]]]
-"""The curves of a panel by name, each with its values and its plot options."""
+Rows = dict[str, dict[str, tuple[Array, Look]]]
+"""The curves of panels over time, by the label of the panel and the name of the curve: values and
+plot options."""
 
 
 class _Mark(NamedTuple):
@@ -78,23 +80,12 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     paths = _draw_tool(axes_at(figure, 1.4, base, *DRAWING), course, tool, trajectory, marks)
     write_key(figure, paths | _LOOKS, loc="center", bbox_to_anchor=(0.5, (base - 1.6) / height))
     _draw_table(axes_at(figure, 9.65, base, 6.2, 6.6), marks, trajectory)
-    panels = _stack(figure, len(rows))
-    for axes, (label, lines) in zip(panels, rows.items(), strict=True):
-        _draw_lines(axes, label, course.time, lines, marks)
+    panels = _panels(figure, list(rows))
+    for axes, lines in zip(panels, rows.values(), strict=True):
+        _draw_lines(axes, course.time, lines, marks)
     panels[0].set_xlim(course.time[0] * MILLISECONDS, course.time[-1] * MILLISECONDS)
-    panels[-1].set_xlabel("time (ms)")
     _number_instants(panels[0], marks)
     return figure
-
-
-def _stack(figure: Figure, count: int) -> list[Axes]:
-    """Add panels over time at the foot of a figure, one above the other, from top to bottom."""
-    panels: list[Axes] = []
-    for number in range(count):
-        place = (2.2, 1.1 + (count - 1 - number) * ROW, *PANEL)
-        panels.append(axes_at(figure, *place, sharex=panels[0] if panels else None))
-        panels[-1].tick_params(labelbottom=number == count - 1)
-    return panels
 
 
 @styled()
@@ -105,17 +96,13 @@ def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
     """
     figure = blank_figure(16.0, 11.6)
     end = max(story_end(run) for run in runs)
-    panels = _stack(figure, 3)
+    labels = ["retraction (°)", "relative\nspeed (rad/s)", "tip speed\n(m/s)"]
+    panels = _panels(figure, labels)
     for name, run, color in zip(names, runs, (BLUE, VERMILION), strict=True):
         course = run.course(min(end, float(run.time[-1])))
-        quantities = {
-            "retraction (°)": np.degrees(course.retraction),
-            "relative\nspeed (rad/s)": course.relative_rate,
-            "tip speed\n(m/s)": course.tip_speed,
-        }
-        for axes, (label, values) in zip(panels, quantities.items(), strict=True):
+        quantities = (np.degrees(course.retraction), course.relative_rate, course.tip_speed)
+        for axes, values in zip(panels, quantities, strict=True):
             axes.plot(MILLISECONDS * course.time, values, color=color, label=name)
-            axes.set_ylabel(label)
             if (strike := run.event_time("strike")) is not None:
                 axes.axvline(MILLISECONDS * strike, color=color, linewidth=0.8, dashes=(4, 2))
     panels[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
@@ -123,21 +110,32 @@ def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
     return figure
 
 
-def _rows(course: Motion, tool: Tool) -> dict[str, Lines]:
-    """Return the curves of the panels over time, by the label of the panel."""
-    potential = (
-        "belt" + " and joints" * (tool.bristle.links > 1) + " and gravity" * (tool.gravity != 0.0)
-    )
-    retraction = "retraction (°)"
-    speed = "relative\nspeed (rad/s)"
-    if tool.bristle.links > 1:
-        retraction = "retraction of\nthe first link (°)"
-        speed = "its relative\nspeed (rad/s)"
-    rows: dict[str, Lines] = {
-        retraction: {"retraction": (np.degrees(course.retraction), {})},
-        speed: {"relative speed": (course.relative_rate, {})},
+def _panels(figure: Figure, labels: Sequence[str]) -> list[Axes]:
+    """Add panels over time at the foot of a figure, one above the other, from top to bottom."""
+    panels: list[Axes] = []
+    for number, label in enumerate(reversed(labels)):
+        above = panels[0] if panels else None
+        panels.insert(0, axes_at(figure, 2.2, 1.1 + number * ROW, *PANEL, sharex=above))
+        panels[0].set_ylabel(label, linespacing=1.4)
+        panels[0].yaxis.set_label_coords(-1.2 / PANEL[0], 0.5)  # in line, whatever the numbers
+        panels[0].tick_params(labelbottom=number == 0)
+    panels[-1].set_xlabel("time (ms)")
+    return panels
+
+
+def _rows(course: Motion, tool: Tool) -> Rows:
+    bends = tool.bristle.links > 1
+    potential = "belt" + " and joints" * bends + " and gravity" * (tool.gravity != 0.0)
+    total: Look = {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}
+    rows: Rows = {
+        "retraction of\nthe first link (°)" if bends else "retraction (°)": {
+            "retraction": (np.degrees(course.retraction), {})
+        },
+        "its relative\nspeed (rad/s)" if bends else "relative\nspeed (rad/s)": {
+            "relative speed": (course.relative_rate, {})
+        },
         "energy (mJ)": {
-            "sum": (1e3 * course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
+            "sum": (1e3 * course.total_energy, total),
             "bristle, kinetic": (1e3 * course.kinetic_energy, {}),
             potential: (1e3 * course.potential_energy, {"color": GREEN}),
         },
@@ -168,35 +166,19 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     ]
 
 
-def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
-    """Move ascending positions apart until neighbours are at least ``gap`` apart.
-
-    The result stays between ``lowest`` and ``highest``. It is the mean of two solutions, one that
-    moves positions only up and one that moves them only down; the mean keeps order and gap.
-    """
-    wanted = np.asarray(positions, dtype=float)
-    offsets = gap * np.arange(wanted.size)
-    rightward = np.maximum.accumulate(wanted - offsets) + offsets
-    leftward = np.minimum.accumulate((wanted - offsets)[::-1])[::-1] + offsets
-    below_top = np.minimum(0.5 * (rightward + leftward), highest - offsets[::-1])
-    return np.asarray(np.maximum(below_top, lowest + offsets))
+def _spread(positions: Iterable[float], gap: float) -> list[float]:
+    """Move ascending positions up, where necessary, until neighbours are ``gap`` apart."""
+    return list(accumulate(positions, lambda last, place: max(place, last + gap)))
 
 
 def _draw_lines(
-    axes: Axes,
-    label: str,
-    time: Array,
-    lines: Lines,
-    marks: Sequence[_Mark],
+    axes: Axes, time: Array, lines: dict[str, tuple[Array, Look]], marks: Sequence[_Mark]
 ) -> None:
     for name, (values, look) in lines.items():
         axes.plot(time * MILLISECONDS, values, label=name, gid=name, **{"color": BLUE, **look})
     for mark in marks:
-        axes.axvline(
-            mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1
-        )
-    axes.set_ylabel(label, linespacing=1.4)
-    axes.yaxis.set_label_coords(-1.2 / PANEL[0], 0.5)  # in line, however wide the numbers are
+        instant = mark.event.time * MILLISECONDS
+        axes.axvline(instant, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1)
     if len(lines) > 1:
         axes.legend(loc="upper left", ncols=3, borderaxespad=0.2, columnspacing=1.2)
         bottom, top = axes.get_ylim()
@@ -208,78 +190,59 @@ def _draw_lines(
 def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
     first, last = axes.get_xlim()
     times = [mark.event.time * MILLISECONDS for mark in marks]
+    places = _spread(times, BADGE_GAP * (last - first))
     above = axes.get_xaxis_transform()
-    for mark, time, place in zip(
-        marks, times, spread(times, BADGE_GAP * (last - first), first, last), strict=True
-    ):
-        axes.plot(
-            [time, place],
-            [1.0, 1.06],
-            color=mark.color,
-            linewidth=0.6,
-            transform=above,
-            clip_on=False,
-        )
+    for mark, time, place in zip(marks, times, places, strict=True):
+        look: Look = {"color": mark.color, "linewidth": 0.6, "transform": above, "clip_on": False}
+        axes.plot([time, place], [1.0, 1.06], **look)
         _badge(axes, (place, 1.12), mark, above)
 
 
 def _draw_tool(
     axes: Axes, course: Motion, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, Look]:
     """Draw the tool, the tip's path, and the wire at some events.
 
     Return the styles of the parts of the path by name, for the legend.
     """
-    view = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1])
-    strike = run.event_time("strike")
+    show_wires(axes, tool, course.centre_line)
     axes.grid(visible=False)
-    draw_tool(axes, tool, view)
+    draw_tool(axes, tool, 7.0)
     tip = course.tip * MILLIMETRES
-    end = course.time[-1] if strike is None else strike
-    # The sample after an impact begins the second line, so that the two lines meet at the strike.
-    after = int(np.searchsorted(course.time, end, side="right"))
-    paths = {"tip path": (tip[:after], BLUE)}
+    strike = run.event_time("strike")
+    paths = {"tip path": (tip, BLUE)}
     if strike is not None:
+        # The sample after an impact begins the second line, so that the two lines meet at the strike.
+        after = int(np.searchsorted(course.time, strike, side="right"))
         paths = {
             "tip path until the strike": (tip[:after], BLUE),
             "tip path after the strike": (tip[after - 1 :], PURPLE),
         }
-    looks: dict[str, dict[str, Any]] = {}
+    looks: dict[str, Look] = {}
     for name, (points, color) in paths.items():
         looks[name] = {"color": color, "linewidth": 1.0}
         axes.plot(*points.T, gid=name, zorder=3, **looks[name])
-    view.apply(axes)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.yaxis.set_label_coords(-1.05 / DRAWING[0], 0.5)
-    name_parts(axes, tool, 7.0)
     drawn = [mark for mark in marks if mark.color != GREY]
-    height = view.top - view.bottom
+    height = float(np.ptp(axes.get_ylim()))
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * height, 0.0)
     shown = run.at([mark.event.time for mark in drawn])
-    places = spread(shown.hub_angle, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf)
-    for mark, line, place in zip(drawn, shown.centre_line, places, strict=True):
+    angles = _spread(shown.hub_angle.tolist(), 0.065 * height / max(radius, 1e-9))
+    for mark, line, place in zip(drawn, shown.centre_line, radius * toward(angles), strict=True):
         drawing = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
         drawing.wire.set_gid(f"wire {mark.number}")
         drawing.place(line)
-        _badge(axes, radius * toward(place), mark)
+        _badge(axes, place, mark)
     return looks
 
 
 def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | None = None) -> None:
     x, y = np.asarray(place, dtype=float)
-    box = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": mark.color}
-    axes.text(
-        x,
-        y,
-        str(mark.number),
-        color=mark.color,
-        transform=transform or axes.transData,
-        fontsize=6.5,
-        ha="center",
-        va="center",
-        bbox=box | {"linewidth": 0.8},
-        zorder=6,
-    )
+    edge = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": mark.color}
+    text = axes.text(x, y, str(mark.number), color=mark.color, fontsize=6.5, ha="center")
+    text.set(va="center", bbox=edge | {"linewidth": 0.8}, zorder=6)
+    text.set_transform(transform or axes.transData)
 
 
 def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> None:
@@ -289,27 +252,21 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
     """
     axes.set_axis_off()
     axes.set(xlim=(0.0, 1.0), ylim=(-14.5, 1.0))
-    for x, heading in {0.08: "event", 0.75: "time\n(ms)", 1.0: "retraction\n(°)"}.items():
-        axes.text(
-            x,
-            0.4,
-            heading,
-            ha="left" if x < 0.5 else "right",
-            va="center",
-            fontsize=7.0,
-            color=GREY,
-        )
+    columns = ((0.08, "left"), (0.75, "right"), (1.0, "right"))
+    for (x, side), heading in zip(columns, ("event", "time\n(ms)", "retraction\n(°)"), strict=True):
+        axes.text(x, 0.4, heading, ha=side, va="center", fontsize=7.0, color=GREY)
     largest = float(np.degrees(trajectory.retraction.max()))
     for row, mark in enumerate(marks, start=1):
-        retraction = float(np.degrees(trajectory.at(mark.event.time).retraction))
-        _badge(axes, (0.03, 0.12 - row), mark)
+        time = mark.event.time
+        retraction = float(np.degrees(trajectory.at(time).retraction))
         name = mark.event.name
         # It is the largest up to the strike; after the strike the wire may swing farther.
         if name == "largest retraction" and retraction < largest - 0.01:
             name = "largest retraction so far"
-        axes.text(0.08, -row, name, fontsize=7.0)
-        axes.text(0.75, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
-        axes.text(1.0, -row, signed(retraction, 2), fontsize=7.0, ha="right")
+        cells = (name, f"{time * MILLISECONDS:.3f}", signed(retraction, 2))
+        _badge(axes, (0.03, 0.12 - row), mark)
+        for (x, side), cell in zip(columns, cells, strict=True):
+            axes.text(x, -row, cell, ha=side, fontsize=7.0)
     contact = trajectory.first_contact("workpart")
     words = f"no strike; the run ended:\n{trajectory.stop_reason}"
     if contact is not None:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, name_parts
+from bristle_sim.render.drawing import WireDrawing, draw_circle, draw_tool, show_points
 from bristle_sim.render.style import (
     MILLIMETRES,
     MILLISECONDS,
+    Look,
     add_panel,
     blank_figure,
     note,
@@ -39,14 +39,17 @@ def cue_figure(timing: CueTiming) -> Figure:
         ValueError: if the trajectory has no duration.
     """
     figure = blank_figure(16.0, 11.1)
-    retraction = add_panel(figure, (1.5, 6.5, 5.8, 3.3), "released from rest: retraction")
-    below = "up to the cue time, at which it is highest"
-    speed = add_panel(
-        figure, (1.5, 1.2, 5.8, 3.6), "released from rest: relative speed", below, sharex=retraction
-    )
+    place = (1.5, 6.5, 5.8, 3.3)
+    retraction = add_panel(figure, place, "released from rest: retraction", ylabel="retraction (°)")
+    labels = {"xlabel": "time since release (ms)", "ylabel": "relative speed (rad/s)"}
+    words = "up to the cue time, at which it is highest"
+    place = (1.5, 1.2, 5.8, 3.6)
+    title = "released from rest: relative speed"
+    speed = add_panel(figure, place, title, words, sharex=retraction, **labels)
     _draw_motion(retraction, speed, timing)
     words = "to scale; filled: as given, blue: simulated, dashed: formula"
-    _draw_plan(add_panel(figure, PLAN, "where the bar must stand", words), timing)
+    labels = {"xlabel": "x (mm)", "ylabel": "y (mm)"}
+    _draw_plan(add_panel(figure, PLAN, "where the bar must stand", words, **labels), timing)
     return figure
 
 
@@ -59,62 +62,49 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
         lines["quasi-static formula"] = (VERMILION, "--", instants, *motion)
     latest = max(float(time[-1]) for _, _, time, *_ in lines.values())
     for name, (color, style, instants, angle, rate) in lines.items():
-        time = instants * MILLISECONDS
         cued = float(instants[-1]) * MILLISECONDS
-        highest = float(rate[-1])
         for axes, values in ((retraction, np.degrees(angle)), (speed, rate)):
-            axes.plot(time, values, color=color, linestyle=style, label=name)
+            axes.plot(instants * MILLISECONDS, values, style, color=color, label=name)
             axes.axvline(cued, color=color, linewidth=0.8, linestyle=":")
-        speed.plot([cued], [highest], "o", color=color, markersize=3.5)
         # The label of the earlier cue is on its left, that of the later cue on its right.
         side, ha = (4.0, "left") if instants[-1] == latest else (-4.0, "right")
-        words = f"cue time\n{cued:.4g} ms,\n{highest:.1f} rad/s"
+        words = f"cue time\n{cued:.4g} ms,\n{rate[-1]:.1f} rad/s"
         note(speed, words, (cued, 0.0), (side, 4.0), color=color, ha=ha, va="bottom")
-    retraction.set(xlim=(0.0, 1.38 * latest * MILLISECONDS), ylabel="retraction (°)")
+    retraction.set_xlim(0.0, 1.38 * latest * MILLISECONDS)
     retraction.legend(loc="lower left", bbox_to_anchor=(-0.04, 0.98), ncols=2)
     retraction.axhline(0.0, color=GREY, linewidth=0.6)
     retraction.tick_params(labelbottom=False)
-    speed.set(xlabel="time since release (ms)", ylabel="relative speed (rad/s)")
     speed.set_ylim(bottom=0.0)
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> None:
     tool = replace(timing.tool, bar=None)
-    wires = timing.wires
     given = timing.bar
-    bars: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {
-        "bar as given": (given.centre, {})
-    }
+    bars: dict[str, tuple[tuple[float, float], Look]] = {"bar as given": (given.centre, {})}
     for name, cue, color, style in (
         ("bar, simulated", timing.simulated, BLUE, "-"),
         ("bar, formula", timing.formula, VERMILION, "--"),
     ):
         if cue is not None:
-            look: dict[str, Any] = {"edgecolor": color, "linewidth": 1.3, "linestyle": style}
             centre = (-cue.bar_horizontal, -cue.bar_vertical)  # on the incoming side, m
-            bars[name] = (centre, look | {"fill": False, "zorder": 5})
-    corners = given.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+            look = {"edgecolor": color, "linewidth": 1.3, "linestyle": style, "fill": False}
+            bars[name] = (centre, look | {"zorder": 5})
+    rims = [
+        np.add(centre, rim) for centre, _ in bars.values() for rim in (-given.radius, given.radius)
+    ]
     surface = np.array([[0.4 * tool.hub.radius, 0.0], [0.0, -1.06 * tool.workpart_depth]])
-    points = [*(np.array(centre) + corners for centre, _ in bars.values()), *wires, surface]
-    view = View.around([MILLIMETRES * each for each in points], PLAN[2] / PLAN[3], 0.06)
+    show_points(axes, [MILLIMETRES * each for each in (*rims, *timing.wires, surface)], 0.06)
     axes.grid(visible=False)
-    draw_tool(axes, tool, view)
+    draw_tool(axes, tool, 7.0)
     for name, (centre, look) in bars.items():
-        draw_bar(axes, *centre, given.radius, gid=name, **look)
-    view.apply(axes)
-    name_parts(axes, tool, 7.0)
-    names = (
-        ("released", GREY, (0.0, 4.0), "right", "bottom"),
-        ("fastest", BLACK, (6.0, -2.0), "left", "top"),
-    )
-    for line, (name, color, offset, ha, va) in zip(wires, names, strict=True):
+        draw_circle(axes, centre, given.radius, gid=name, **look)
+    names = (("released", GREY, 4.0, "right"), ("fastest", BLACK, -12.0, "left"))
+    for line, (name, color, up, side) in zip(timing.wires, names, strict=True):
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
         x, y = (0.65 * line[0] + 0.35 * line[-1]) * MILLIMETRES  # away from the bars
-        note(axes, name, (float(x), float(y)), offset, color=color, ha=ha, va=va)
-    axes.set_xlabel("x (mm)", labelpad=1.0)
-    axes.set_ylabel("y (mm)", labelpad=1.0)
+        note(axes, name, (x, y), (-up, up), color=color, ha=side)
 
 
 @styled()
@@ -123,29 +113,27 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     retraction.
     """
     figure = blank_figure(16.0, 8.2)
-    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction")
-    turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
-    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub")
-    phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
+    labels = {"xlabel": "turn of the hub (°)", "ylabel": "retraction (°)"}
+    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction", **labels)
+    labels = {"xlabel": "retraction (°)", "ylabel": "rate (rad/s)"}
+    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub", **labels)
     contact = driven.pass_with_bar.first_contact("workpart")
-    radial = driven.radial
     end = "no strike"
     if contact is not None:
         end = f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
     runs = [(driven.pass_with_bar, BLUE, "bar-cued", end)]
-    if radial is not None:
-        end = f"{radial.tip_speed[-1]:.1f} m/s when radial"
-        runs.append((radial, VERMILION, "thrown by its inertia", end))
+    if driven.radial is not None:
+        end = f"{driven.radial.tip_speed[-1]:.1f} m/s when radial"
+        runs.append((driven.radial, VERMILION, "thrown by its inertia", end))
     for run, color, name, words in runs:
         course = run.course()
         turned, retraction = np.degrees([course.hub_angle - run.hub_angle[0], course.retraction])
         speed = course.relative_rate
         for axes, x, y in ((turn, turned, retraction), (phase, retraction, speed)):
-            axes.plot(x, y, color=color, label=name)
-            axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
+            axes.plot(x, y, color=color, marker="o", markevery=[-1], markersize=4.0, label=name)
             axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-        place = (retraction[-1], speed[-1])
         ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
+        place = (retraction[-1], speed[-1])
         note(phase, words, place, (6.0, 5.0), color=color, bbox=ground)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.margins(x=0.05, y=0.12)

@@ -30,6 +30,9 @@ MILLISECONDS = 1e3
 MICROSECONDS = 1e6
 """Millimetres in a metre, milliseconds and microseconds in a second."""
 
+Look = dict[str, Any]
+"""Options of a drawing function of matplotlib, by name."""
+
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54
 

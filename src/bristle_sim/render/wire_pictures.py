@@ -15,13 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from bristle_sim.arrays import Array
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
-from bristle_sim.render.drawing import (
-    WireDrawing,
-    close_up,
-    draw_film_tool,
-    moving_arrow,
-    point_arrow,
-)
+from bristle_sim.render.drawing import WireDrawing, add_arrows, draw_film_tool, show_wires
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.studies.flexible_wire import FlexibleWire, measures
 from bristle_sim.studies.timed_contact import cubics
@@ -55,7 +49,7 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     durations = study.durations * style.MICROSECONDS
     most = max(study.by_duration)
     for name, (words, color, marker) in LOOKS.items():
-        look: dict[str, Any] = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
+        look: style.Look = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
         by_links.plot(study.links, study.by_links[name], **look, linestyle="none")
         others.plot(durations, study.by_duration[most][name], **look)
     for color, (links, found) in zip(
@@ -77,7 +71,7 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     for axes in (by_links, impulse, others):
         axes.axhline(1.0, color=GREY, linewidth=0.8, dashes=(4, 2), zorder=1)
         axes.set_ylim(bottom=0.0)
-        place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.985), "ncols": 4}
+        place: style.Look = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.985), "ncols": 4}
         axes.legend(**place, handlelength=1.0, handletextpad=0.4, columnspacing=0.8)
     return figure
 
@@ -123,65 +117,59 @@ class WireFilm(Film):
     ) -> None:
         warp = slow_motion(0.0, float(struck.wire.time[-1]), duration)
         super().__init__(warp, width, height, (BLUE, ORANGE), style.Scale(style.MICROSECONDS, "µs"))
-        self.struck = struck
+        self._links = struck.strike.tool.bristle.links
         small = 0.62 * self.letters
-        self._draw_wires(self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER)), small)
+        wires = self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER))
         force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER), 0.9 * small)
         wave = self.add_timeline((0.565, 0.115, 0.35, 0.3), 0.9 * small)
-        for (touch, pushed), color in ((_force(struck.rigid), ORANGE), (_force(struck.wire), BLUE)):
-            force.fill_between(
-                touch * style.MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0
-            )
-            force.plot(touch * style.MICROSECONDS, pushed, color=color, linewidth=1.8)
+        runs = {
+            "rigid bristle": (struck.rigid, ORANGE),
+            f"wire of {self._links} link{'s' * (self._links > 1)}": (struck.wire, BLUE),
+        }
+        self._runs = [run for run, _ in runs.values()]
+        self._lines = [cubics(run.time, run.centre_line) for run in self._runs]
+        points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in self._runs])
+        self._longest = LONGEST_FORCE * float(np.ptp(points[:, 1])) * style.MILLIMETRES
+        below = points.min(axis=0) - [0.0, self._longest / style.MILLIMETRES]
+        tool = struck.strike.tool
+        show_wires(wires, tool, np.vstack([points, below]), 0.1)
+        draw_film_tool(wires, tool, small)
+        self.wires = [WireDrawing(wires, tool, color=color) for _, color in runs.values()]
+        self.arrow = add_arrows(wires, VERMILION)
+        looks = {name: {"color": color, "linewidth": 2.5} for name, (_, color) in runs.items()}
+        looks["normal force on its end"] = {"color": VERMILION, "linewidth": 2.5}
+        style.write_key(wires, looks, loc="upper left", ncols=1, fontsize=small, borderaxespad=1.0)
+        for run, color in runs.values():
+            touch, pushed = _force(run)
+            clock = style.MICROSECONDS * touch
+            force.fill_between(clock, pushed, color=color, alpha=0.15, linewidth=0.0)
+            force.plot(clock, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
         force.set_title("normal force (N)", loc="left", fontsize=small)
         wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=small)
         self.arrival = _draw_wave(wave, struck, small)
-        self.moving = [*self.rigid.artists, *self.wire.artists, self.arrow, *self.hands]
+        artists = [each for wire in self.wires for each in wire.artists]
+        self.moving = [*artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires and the arrow of the force to a time, s."""
-        touch, force = _force(self.struck.wire)
-        pushed = float(np.interp(time, touch, force, right=0.0))
-        rigid = float(np.interp(time, *_force(self.struck.rigid), right=0.0))
-        self.rigid.place(_centre_line(self.struck.rigid, time))
-        self.wire.place(line := _centre_line(self.struck.wire, time))
-        x, y = (line[-1] * style.MILLIMETRES).tolist()
-        point_arrow(self.arrow, (x, y - self.longest * pushed / force.max()), (x, y), shortest=0.3)
+        touch, force = _force(self._runs[1])
+        rigid, pushed = (float(np.interp(time, *_force(run), right=0.0)) for run in self._runs)
+        for drawing, line in zip(self.wires, self._lines, strict=True):
+            drawing.place(line(time))
+        up = self._longest * pushed / force.max()
+        x, y = self._lines[1](time)[-1] * style.MILLIMETRES
+        self.arrow.set_offsets([(x, y - up)])
+        self.arrow.set_UVC(0.0, up)
         caption = "the wave is at the root"
         if time > touch[-1]:
             caption = "released, the wire swings on"
-        elif self.struck.strike.tool.bristle.links == 1:
+        elif self._links == 1:
             caption = "the end is struck"
         elif time < self.arrival:
             caption = "the end is struck; the wave is on its way to the root"
-        return (
-            caption,
-            f"wire {style.signed(pushed, 1, 5)} N",
-            f"rigid {style.signed(rigid, 1, 5)} N",
-        )
-
-    def _draw_wires(self, axes: Axes, letters: float) -> None:
-        tool = self.struck.strike.tool
-        box = axes.get_window_extent()
-        runs = (self.struck.wire, self.struck.rigid)
-        points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in runs])
-        span = float(np.ptp(points[:, 1]))
-        links = tool.bristle.links
-        self.longest = LONGEST_FORCE * span * style.MILLIMETRES
-        below = points.min(axis=0) - [0.0, LONGEST_FORCE * span]
-        draw_film_tool(
-            axes,
-            tool,
-            close_up(np.vstack([points, below]), tool, box.width / box.height, 0.1),
-            letters,
-        )
-        self.rigid, self.wire = (WireDrawing(axes, tool, color=color) for color in (ORANGE, BLUE))
-        self.arrow = moving_arrow(axes, VERMILION, 2.5, 14.0)
-        wire = f"wire of {links} link{'s' * (links > 1)}"
-        named = {"rigid bristle": ORANGE, wire: BLUE, "normal force on its end": VERMILION}
-        looks = {name: {"color": color, "linewidth": 2.5} for name, color in named.items()}
-        style.write_key(axes, looks, loc="upper left", ncols=1, fontsize=letters, borderaxespad=1.0)
+        readings = (("wire", pushed), ("rigid", rigid))
+        return caption, *(f"{name} {style.signed(value, 1, 5)} N" for name, value in readings)
 
 
 def _force(run: Any) -> tuple[Array, Array]:
@@ -192,12 +180,6 @@ def _force(run: Any) -> tuple[Array, Array]:
     return time, cubics(clock, history.normal_force)(time)
 
 
-def _centre_line(run: Any, time: float) -> Array:
-    """Return root, hinges and tip of the wire at a time, m, by linear interpolation in time."""
-    columns = run.centre_line.reshape(run.time.size, -1).T
-    return np.reshape([np.interp(time, run.time, column) for column in columns], (-1, 2))
-
-
 def _draw_wave(axes: Axes, struck: FlexibleWire, letters: float) -> float:
     """Draw the bending moment in the wire over time and position, with the root on top.
 
@@ -206,26 +188,27 @@ def _draw_wave(axes: Axes, struck: FlexibleWire, letters: float) -> float:
     """
     bristle = struck.strike.tool.bristle
     run = struck.wire
-    time = np.linspace(0.0, run.time[-1], GRID)
-    bends = np.diff(run.angles, axis=1).T
-    if not bends.size:
+    if bristle.links == 1:
         style.say(axes, "a rigid bristle does not bend")
         return 0.0
     stiffness = hinge_stiffness(
         bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links
     )
-    moments = stiffness * np.array([np.interp(time, run.time, each) for each in bends])
-    length = bristle.length * style.MILLIMETRES
+    time = np.linspace(0.0, float(run.time[-1]), GRID)
+    moments = 1e3 * stiffness * np.diff(cubics(run.time, run.angles)(time), axis=1).T
     most = float(np.abs(moments).max())
-    half = 0.5 * length / (len(moments) + 1)
+    length = bristle.length * style.MILLIMETRES
+    half = 0.5 * length / bristle.links
     sides = (0.0, float(time[-1]) * style.MICROSECONDS, length - half, half)
-    look: dict[str, Any] = {
-        "cmap": "RdBu",
-        "vmin": -1e3 * most,
-        "vmax": 1e3 * most,
-        "aspect": "auto",
-    }
-    picture = axes.imshow(1e3 * moments, extent=sides, interpolation="bilinear", **look)
+    picture = axes.imshow(
+        moments,
+        cmap="RdBu",
+        vmin=-most,
+        vmax=most,
+        extent=sides,
+        aspect="auto",
+        interpolation="bilinear",
+    )
     axes.set_ylim(length, 0.0)
     axes.set_xlabel("time since the first touch (µs)", fontsize=letters)
     axes.set_ylabel("from the root (mm)", fontsize=letters)
