@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
@@ -26,6 +26,16 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
 NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
+
+MEASURES = {
+    "forward_slide": ("slide forward", "m"),
+    "slide_in_touch": ("slide in the whole contact", "m"),
+    "time_in_touch": ("time in touch", "s"),
+    "tip_speed_along_before": ("tip speed along, before", "m/s"),
+    "tip_speed_along_after": ("tip speed along, after", "m/s"),
+    "tip_speed_away_after": ("tip speed away, after", "m/s"),
+}
+"""Measures of a strike: label and unit of each."""
 
 # A tip counts as retracting at once if it slides forward by no more than this fraction of the
 # largest forward slide of the three tips.
@@ -87,11 +97,8 @@ def slide_path(history: ContactHistory) -> Array:
 
     The tangential velocity is integrated over the n samples by the trapezoidal rule.
     """
-    steps = (
-        0.5
-        * np.diff(history.time)
-        * (history.tangential_velocity[1:] + history.tangential_velocity[:-1])
-    )
+    speed = history.tangential_velocity
+    steps = 0.5 * np.diff(history.time) * (speed[1:] + speed[:-1])
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
@@ -164,7 +171,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
             against_film(slides),
         ),
         extra={"stopped": {shape: stop_fields(run) for shape, run in runs.items()}},
-        not_reached=next(filter(None, (run.accuracy_not_reached for run in runs.values())), ""),
+        not_reached=max(run.accuracy_not_reached for run in runs.values()),
         subject=BentBristles(tools, runs, slides),
         answer=answer(slides),
     )
@@ -198,23 +205,16 @@ def answer(slides: Mapping[str, Slide | None]) -> str:
     return f"{words[0].upper()}{words[1:]}; in the high-speed film only the forward bent one retracts at once.{ending}"
 
 
-def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> list[Quantity]:
-    name = NAMES[shape]
+def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> tuple[Quantity, ...]:
+    labels = {
+        f"{shape}_{name}": (f"{NAMES[shape]}: {label}", unit)
+        for name, (label, unit) in MEASURES.items()
+    }
     if contact is None or slide is None:
-        return [Quantity(f"{shape}_forward_slide", "m", None, label=f"{name}: slide forward")]
-    before, after = contact.velocity_before, contact.velocity_after
-    values = (
-        ("forward_slide", "slide forward", "m", slide.forward),
-        ("slide_in_touch", "slide in the whole contact", "m", slide.total),
-        ("time_in_touch", "time in touch", "s", slide.duration),
-        ("tip_speed_along_before", "tip speed along, before", "m/s", before[1]),
-        ("tip_speed_along_after", "tip speed along, after", "m/s", after[1]),
-        ("tip_speed_away_after", "tip speed away, after", "m/s", after[0]),
-    )
-    return [
-        Quantity(f"{shape}_{key}", unit, value, label=f"{name}: {label}")
-        for key, label, unit, value in values
-    ]
+        return rows(labels, {})
+    along = (contact.velocity_before[1], contact.velocity_after[1])
+    values = (slide.forward, slide.total, slide.duration, *along, contact.velocity_after[0])
+    return rows(labels, dict(zip(labels, values, strict=True)))
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:

@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table, rows
+from bristle_sim.comparison import Report, Table, rows
 from bristle_sim.declared import UnusualValueWarning
 from bristle_sim.parameters import FilmGrid, Tool
-from bristle_sim.readable import amount, finite
+from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import slide_of
+from bristle_sim.studies.bent_bristles import slide_path
 from bristle_sim.studies.crater_study import MEASURED as MEASURED_CRATER
 from bristle_sim.studies.strike_point import crater_of
 from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION, compression_end
@@ -52,6 +52,12 @@ MEASURES = {
 }
 """Measures of a strike at a point of the map: label and unit of each."""
 
+NEAREST = {
+    "nearest_contact_duration": ("nearest: contact of a rigid bristle", "s"),
+    "nearest_wire_damping_ratio": ("nearest: damping ratio of the wire", "1"),
+}
+"""Position of the nearest point on the map: label and unit."""
+
 # Largest relative difference at which a measured value counts as explained: about the reading error of film and
 # micrograph
 EXPLAINED = 0.1
@@ -76,7 +82,7 @@ class FilmMap:
     grid: FilmGrid
     dampings: Array
     durations: Array
-    results: Mapping[str, Array]
+    results: dict[str, Array]
     nearest: tuple[int, int]
     tool: Tool
     run: Trajectory
@@ -90,19 +96,8 @@ class FilmMap:
         """
         strike = self.run.event_time("strike") or 0.0
         step = 1.0 / self.grid.frame_rate
-        return np.asarray(
-            strike
-            + step * (np.arange(-math.floor(FOLLOWED / step), math.floor(FOLLOWED / step)) + 0.5)
-        )
-
-    @property
-    def seen(self) -> tuple[list[float], list[float]]:
-        """Return the contents of each film frame: the middle of its exposure, s, and the tip's mean
-        height above the workpart during it, m.
-        """
-        instants = self.frames[:, np.newaxis] + np.linspace(0.0, self.grid.exposure, 11)
-        heights = self.run.at(instants).tip[..., 1].mean(axis=1) + self.tool.workpart_depth
-        return instants[:, 5].tolist(), heights.tolist()
+        count = math.floor(FOLLOWED / step)
+        return np.asarray(strike + step * (np.arange(-count, count) + 0.5))
 
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
@@ -116,30 +111,16 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
     started = clock.perf_counter()
     found = _mapped(tool, grid, settings)
     variants = _variants(found.tool, abs(tool.bristle.knee_angle_deg), settings)
-    values = {name: finite(each[found.nearest]) for name, each in found.results.items()}
-    damping = found.tool.bristle.bending_damping_ratio
-    duration = found.tool.contact.duration or 0.0
+    values = {name: float(each[found.nearest]) for name, each in found.results.items()}
+    damping = found.dampings[found.nearest[0]]
+    duration = found.durations[found.nearest[1]]
+    values |= {"nearest_contact_duration": duration, "nearest_wire_damping_ratio": damping}
     axes = {"wire_damping_ratio": found.dampings, "contact_duration": found.durations}
-    plain = {
-        name: [[finite(value) for value in row] for row in each.tolist()]
-        for name, each in found.results.items()
-    }
+    exposures = found.frames[:, np.newaxis] + np.linspace(0.0, grid.exposure, 11)
+    tips = found.run.at(exposures).tip[..., 1].mean(axis=1) + found.tool.workpart_depth
+    frames = zip(exposures[:, 5], tips, strict=True)
     return Report(
-        quantities=(
-            Quantity(
-                "nearest_contact_duration",
-                "s",
-                duration,
-                label="nearest: contact of a rigid bristle",
-            ),
-            Quantity(
-                "nearest_wire_damping_ratio",
-                "1",
-                damping,
-                label="nearest: damping ratio of the wire",
-            ),
-            *rows(MEASURES, values, printed=MEASURED),
-        ),
+        quantities=rows(NEAREST | MEASURES, values, printed=MEASURED),
         **run_fields(found.run) | {"wall_s": clock.perf_counter() - started},
         remarks=(
             "printed: what film and micrograph show",
@@ -147,12 +128,9 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
         ),
         tables=(_table(variants),),
         extra={
-            "map": {name: axis.tolist() for name, axis in axes.items()} | plain,
+            "map": axes | found.results,
             "variants": variants,
-            "frames": [
-                {"time": time, "tip_height": height}
-                for time, height in zip(*found.seen, strict=True)
-            ],
+            "frames": [{"time": time, "tip_height": height} for time, height in frames],
         },
         subject=found,
         answer=_answer(values, duration, damping),
@@ -227,7 +205,7 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
     compression = slide = None
     if (history := touches[0].history) is not None:
         compression = compression_end(history)
-        slide = slide_of(touches[0]).forward
+        slide = float(slide_path(history).max())
     values = (float(len(touches)), compression, max(depths, default=None), slide)
     return dict(zip(MEASURES, values, strict=True))
 
@@ -260,13 +238,7 @@ def _variants(best: Tool, knee: float, settings: Settings) -> list[dict[str, Any
 
 
 def _table(variants: list[dict[str, Any]]) -> Table:
-    head = (
-        "the nearest pair, but",
-        "touches",
-        "compression, µs",
-        "crater, µm",
-        "slide forward, mm",
-    )
+    heads = ("touches", "compression, µs", "crater, µm", "slide forward, mm")
     factors = dict(zip(MEASURES, (1.0, 1e6, 1e6, 1e3), strict=True))
     cells = []
     for each in variants:
@@ -275,6 +247,7 @@ def _table(variants: list[dict[str, Any]]) -> Table:
             for name, factor in factors.items()
         )
         cells.append((f"{each['variant']}: {each['failure']}".removesuffix(": ")[:40], *shown))
+    head = ("the nearest pair, but", *heads)
     return Table("the nearest pair with other wires", head, tuple(cells))
 
 
@@ -285,10 +258,10 @@ def _reached(name: str, results: Array) -> str:
     return f"{label}: {amount(measured, unit)} {reached} on the map, {amount(low, unit)} to {amount(high, unit)}"
 
 
-def _answer(values: Mapping[str, float | None], duration: float, damping: float) -> str:
+def _answer(values: Mapping[str, float], duration: float, damping: float) -> str:
     missed = []
     for name, measured in MEASURED.items():
-        value, (label, unit) = values[name] or 0.0, MEASURES[name]
+        value, (label, unit) = values[name], MEASURES[name]
         if abs(value / measured - 1.0) > EXPLAINED:
             missed.append(f"{label} {amount(value, unit)}, measured {amount(measured, unit)}")
     place = f"a contact of {amount(duration, 's')} and a damping ratio of {damping:.2g}"

@@ -175,12 +175,13 @@ def _as_dict(fit: ForceFit) -> dict[str, Any]:
     It holds the fitted values and their standard errors by name, the start of the contact, s, and
     the baseline and the root mean square of the residuals, N.
     """
-    values, errors = (
-        dict(zip(fit.names, each.tolist(), strict=True))
-        for each in (fit.values, fit.standard_errors)
-    )
-    numbers = {name: getattr(fit, name) for name in ("start", "baseline", "root_mean_square")}
-    return numbers | {"values": values, "standard_errors": errors}
+    return {
+        "start": fit.start,
+        "baseline": fit.baseline,
+        "root_mean_square": fit.root_mean_square,
+        "values": dict(zip(fit.names, fit.values, strict=True)),
+        "standard_errors": dict(zip(fit.names, fit.standard_errors, strict=True)),
+    }
 
 
 def _measured_force(measurement: Measurement) -> MeasuredForce:
