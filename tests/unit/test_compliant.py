@@ -27,7 +27,7 @@ def law_accuracy(law: ContactLaw) -> float:
 def resolved(chain: Chain, surface: Surface, law: ContactLaw) -> ContactRecord:
     """A strike by a law in the scene's own units, in which the fastest rate is 1."""
     scene, state, obstacle, _ = build_strike(chain, surface)
-    return struck(scene, state, obstacle, Settings(law_accuracy(law)), law)[1]
+    return struck(scene, state, obstacle, Settings(law_accuracy(law)), law)[0]
 
 
 class TestCompliantContact:

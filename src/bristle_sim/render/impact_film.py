@@ -191,7 +191,7 @@ class ImpactFilm(Film):
         super().__init__(warp, width, height, tuple(COLOURS.values()), clock)
         self.speed = scale_for(motion.largest("velocity"), "m/s")
         letters = 0.62 * self.letters
-        line = struck.centre_line
+        line = struck.centre_line[0]
         top = 1.0 - HEADER
         rods = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
         draw_rods(rods, line, impacts.chain.hub_radius, letters)

@@ -18,7 +18,7 @@ from bristle_sim.scene.build import Effects, Scene, damped_interval
 from bristle_sim.scene.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
-from bristle_sim.scene.mechanism import Link, Mechanism, State, xy
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.results import columns, contact_in_si, energies
 from bristle_sim.scene.simulate import run_by_intervals
@@ -57,36 +57,32 @@ class Chain:
 
 @dataclass(frozen=True, slots=True)
 class ChainStrike:
-    """An impact of a chain of rods, and the cost of its simulation.
+    """A contact of a chain of rods or of a wire, with the motion from the first touch on; SI units.
 
     Attributes:
-        contact: the contact record.
-        centre_line: root, hinges and tip at the first touch, (x, y) from the hub's centre, m, shape
-            (corners, 2).
-        kinetic_energy_before: kinetic energy before the impact, J.
-        kinetic_energy_after: kinetic energy after the impact, J.
+        contact: the contact record, with its history if it is simulated over its duration.
+        time: times of the samples, s.
+        angles: absolute angles of the links, rad, shape (samples, links).
+        centre_line: positions of root, knee, joints and tip at each sample, (x, y) from the hub's
+            centre, m, shape (samples, corners, 2).
+        kinetic_energy: kinetic energy at each sample, J.
         steps: number of engine steps.
         wall_s: wall time, s.
     """
 
     contact: ContactRecord
+    time: Array
+    angles: Array
     centre_line: Array
-    kinetic_energy_before: float
-    kinetic_energy_after: float
+    kinetic_energy: Array
     steps: int
     wall_s: float
 
     @property
     def kinetic_energy_ratio(self) -> float | None:
-        """Kinetic energy after the impact over the kinetic energy before it.
-
-        It is None if the chain is at rest before the impact.
-        """
-        return (
-            self.kinetic_energy_after / self.kinetic_energy_before
-            if self.kinetic_energy_before
-            else None
-        )
+        """Last kinetic energy over the kinetic energy at the first touch; None for a chain at rest."""
+        first, last = self.kinetic_energy[[0, -1]].tolist()
+        return last / first if first else None
 
 
 def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> ChainStrike:
@@ -106,15 +102,23 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     begin = clock.perf_counter()
     scene, start, pair, units = build_strike(chain, surface)
     law = contact_law(contact, settings.accuracy, units.time)
-    after, record, _ = struck(scene, start, pair, settings, law)
-    poses = scene.mechanism.poses(start)
-    line = [poses[0].joint, *(pose.corners[-1] for pose in poses)]
-    kinetic, _ = energies(scene.mechanism, scene.effects, columns([start, after]))
+    record, states = struck(scene, start, pair, settings, law)
+    return _in_si(scene, units, record, states, begin)
+
+
+def _in_si(
+    scene: Scene, units: Units, record: ContactRecord, states: Sequence[State], begin: float
+) -> ChainStrike:
+    """Return a simulated contact in SI units; ``begin`` is the wall clock at its beginning, s."""
+    motion = columns(states)
+    line, _ = scene.mechanism.centre_line(*motion)
+    kinetic, _ = energies(scene.mechanism, scene.effects, motion)
     return ChainStrike(
         contact=contact_in_si(record, units),
-        centre_line=np.array(list(map(xy, line))) * units.length,
-        kinetic_energy_before=float(kinetic[0]) * units.energy,
-        kinetic_energy_after=float(kinetic[1]) * units.energy,
+        time=motion[0] * units.time,
+        angles=motion[1],
+        centre_line=line * units.length,
+        kinetic_energy=kinetic * units.energy,
         steps=scene.engine.steps,
         wall_s=clock.perf_counter() - begin,
     )
@@ -167,7 +171,7 @@ def run(system: System) -> Recording:
 
 def struck(
     scene: Scene, start: State, pair: WorkpartPair, settings: Settings, law: ContactLaw
-) -> tuple[State, ContactRecord, list[State]]:
+) -> tuple[ContactRecord, list[State]]:
     """Simulate one contact from its first touch to its end.
 
     Args:
@@ -178,7 +182,7 @@ def struck(
         law: contact law.
 
     Returns:
-        The state after the contact, its record, and the samples of the motion.
+        The contact's record, and the samples of the motion, from the first touch to the end.
 
     Raises:
         ValueError: if a contact with a spring does not end.
@@ -187,7 +191,7 @@ def struck(
     law = law if approach > 0.0 else ENERGETIC
     if law.instantaneous or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
         after, record = law.resolve(scene, start, pair)
-        return after, record, [start, after]
+        return record, [start, after]
     plan = Plan(
         math.inf,
         settings.accuracy,
@@ -199,29 +203,7 @@ def struck(
     if recording.stop_reason in UNSOLVED:
         raise ValueError(UNSOLVED[recording.stop_reason])
     ((record, _), *_) = recording.contacts
-    return recording.states[-1], record, recording.states
-
-
-@dataclass(frozen=True, slots=True)
-class WireStrike:
-    """A contact of a wire that bends, with the motion from the first touch on; SI units.
-
-    Attributes:
-        contact: the contact record, with its history.
-        time: times of the samples, s.
-        angles: absolute angles of the links, rad, shape (samples, links).
-        centre_line: positions of root, knee, joints and tip at each sample, (x, y) from the hub's
-            centre, m, shape (samples, corners, 2).
-        steps: number of engine steps.
-        wall_s: wall time, s.
-    """
-
-    contact: ContactRecord
-    time: Array
-    angles: Array
-    centre_line: Array
-    steps: int
-    wall_s: float
+    return record, recording.states[1:]  # the contact begins with a second sample of the start
 
 
 def strike_wire(
@@ -234,7 +216,7 @@ def strike_wire(
     *,
     duration: float,
     flight: float = 0.0,
-) -> WireStrike:
+) -> ChainStrike:
     """Simulate the contact of a wire whose end strikes a workpart of finite contact stiffness.
 
     The contact is a spring of stiffness k while the penetration grows, and of stiffness k/e*^2
@@ -272,9 +254,9 @@ def strike_wire(
         stiffness=stiffness * units.time**2 / units.mass,
         time_unit=units.time,
     )
-    after, record, states = struck(scene, start, pair, settings, law)
-    del states[0]
+    record, states = struck(scene, start, pair, settings, law)
     if flight > 0.0:
+        after = states[-1]
         # Samples of the free motion are as far apart as in the contact. The motion may take a tenth
         # of the step budget.
         longest = min(duration / units.time / SAMPLES_OF_A_COURSE, damped_interval(scene))
@@ -284,15 +266,7 @@ def strike_wire(
         budget = settings.maximum_steps // 10
         plan = Plan(end, settings.accuracy, None, longest, budget, single_contact=True)
         states += run(System(scene, after, stepper, plan, [])).states[1:]
-    motion = columns(states)
-    return WireStrike(
-        contact=contact_in_si(record, units),
-        time=motion[0] * units.time,
-        angles=motion[1],
-        centre_line=scene.mechanism.centre_line(*motion)[0] * units.length,
-        steps=scene.engine.steps,
-        wall_s=clock.perf_counter() - begin,
-    )
+    return _in_si(scene, units, record, states, begin)
 
 
 # angle by which one link is turned, rad; the mass matrix changes by the fraction 5e-17, less than

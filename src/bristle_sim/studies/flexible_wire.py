@@ -29,7 +29,7 @@ from bristle_sim.parameters import (
     Workpart,
 )
 from bristle_sim.readable import amount
-from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
+from bristle_sim.scene.strike import ChainStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import crater_depth
 from bristle_sim.studies.whole_pass import record_fields
@@ -101,7 +101,7 @@ class FlexibleStrike:
         """
         return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
-    def run(self, flight: float = 0.0) -> WireStrike:
+    def run(self, flight: float = 0.0) -> ChainStrike:
         """Simulate the strike, and the free motion for the time ``flight``, s, after it."""
         return strike_wire(
             *self._start(), self.settings, duration=self.contact.duration, flight=flight
@@ -130,8 +130,8 @@ class FlexibleWire:
     """The requested strike, and its simulations with the wire of links and with the rigid bristle."""
 
     strike: FlexibleStrike
-    wire: WireStrike
-    rigid: WireStrike
+    wire: ChainStrike
+    rigid: ChainStrike
 
 
 def flexible_wire(
@@ -205,7 +205,7 @@ def _answer(
     return f"{found} The wire's end touches again {amount(again, 's')} after the first touch, which these numbers leave out."
 
 
-def again(wire: WireStrike) -> float | None:
+def again(wire: ChainStrike) -> float | None:
     """Return the instant at which the wire's end enters the workpart a second time, s after the
     first touch.
 

@@ -193,7 +193,7 @@ def double_pendulum(
         "kinetic_energy_ratio": one.kinetic_energy_ratio,
     }
     theory = {name: float(getattr(closed_form, name)) for name in labels}
-    if not one.kinetic_energy_before:
+    if not one.kinetic_energy[0]:
         del theory["kinetic_energy_ratio"]
     # Friction magnifies the rounding of a rod's angle; the factor is the friction itself for a rod
     # along the surface.

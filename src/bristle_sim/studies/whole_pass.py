@@ -19,7 +19,7 @@ from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.scene.strike import ChainStrike, WireStrike
+from bristle_sim.scene.strike import ChainStrike
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
 from bristle_sim.studies.strike_measures import (
@@ -282,7 +282,7 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
     }
 
 
-def record_fields(struck: ChainStrike | WireStrike, **events: float) -> dict[str, Any]:
+def record_fields(struck: ChainStrike, **events: float) -> dict[str, Any]:
     """Return the fields of a report on a single contact: outcome, phases, cost, and events.
 
     ``events`` are times by name, s.
