@@ -8,11 +8,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from bristle_sim.cli.options import add_options, files_of, write_files
-from bristle_sim.cli.output import csv_text, format_value, print_line
-from bristle_sim.cli.scenario import Scenario
+from bristle_sim.cli.options import Content, add_options, deliver, files_of
+from bristle_sim.cli.output import csv_text, format_value
+from bristle_sim.cli.scenario import Scenario, Values
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
@@ -37,60 +36,58 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     add_options(parser, "report", "plot", "csv")
     options = parser.parse_args(arguments)
     targets = files_of(options)
-    names = (Path(options.first).stem, Path(options.second).stem)
-    one, two = (
+    names = [Path(options.first).stem, Path(options.second).stem]
+    tools = [
         pass_of.values_of(pass_of.assignments_from(path, name)[0])
         for name, path in (("A.toml", options.first), ("B.toml", options.second))
-    )
-    reports = [pass_of.answer(one), pass_of.answer(two)]
-    declared = pass_of.keys()
-    changed = [
-        [
-            key,
-            *map(format_value, (one[key], two[key])),
-            " and ".join(displayed(declared[key][0], each[key]) for each in (one, two)),
-        ]
-        for key in one
-        if one[key] != two[key]
     ]
-    others = {each.name: each for each in reports[1].quantities}
-    shown = [
-        each for each in reports[0].quantities if each.tolerance is None and each.name in others
+    reports = [pass_of.answer(values) for values in tools]
+    changed = _changes(pass_of, *tools)
+    seconds = {each.name: each for each in reports[1].quantities}
+    pairs = [
+        (each, seconds[each.name])
+        for each in reports[0].quantities
+        if each.tolerance is None and each.name in seconds
     ]
-    rows = [_row(each, others[each.name]) for each in shown]
-    answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
-    head = ["key (SI)", *names, "as typed"]
-    keys = aligned([head, *(changed or [["no key differs", "", "", ""]])], 1)
-    quantities = aligned([["quantity", "unit", *names, "difference"], *rows], 2)
+    rows = [_row(*pair) for pair in pairs]
     verdict = _verdict(names, reports)
-    columns: dict[str, list[Any]] = {
-        "quantity": [each.name for each in shown],
-        "unit": [each.unit for each in shown],
-        names[0]: [each.simulated for each in shown],
-        names[1] + " (second)" * (names[0] == names[1]): [
-            others[each.name].simulated for each in shown
-        ],
-    }
-    numbers = csv_text(columns).removesuffix("\n")
 
-    def write(option: str, target: Path) -> None:
-        """Draw the figure of both passes, or write the page of the comparison, as the option
-        requests.
-        """
-        if option == "plot":
-            from bristle_sim.render.pass_figure import pair_figure
-            from bristle_sim.render.style import save_figure
+    def plot(target: Path) -> None:
+        """Draw the figure of both passes."""
+        from bristle_sim.render.pass_figure import pair_figure
+        from bristle_sim.render.style import save_figure
 
-            save_figure(pair_figure(names, [each.subject.trajectory for each in reports]), target)
-        else:
-            from bristle_sim.render.report import write_comparison
+        save_figure(pair_figure(names, [each.subject.trajectory for each in reports]), target)
 
-            write_comparison(target, names, reports, changed, rows, verdict)
+    def page(target: Path) -> None:
+        """Write the page of the comparison."""
+        from bristle_sim.render.report import write_comparison
 
-    write_files(targets, {"plot": write, "report": write, "csv": numbers})
-    text = "\n".join([verdict, *answers, "", *keys, "", *quantities])
-    print_line(numbers if options.csv == "-" else text)
+        write_comparison(target, names, reports, changed, rows, verdict)
+
+    heads = ["quantity", "unit", names[0], names[1] + " (second)" * (names[0] == names[1])]
+    values = [(one.name, one.unit, one.simulated, two.simulated) for one, two in pairs]
+    columns = dict(zip(heads, zip(*values, strict=True), strict=True))
+    keys = [["key (SI)", *names, "as typed"], *(changed or [["no key differs", "", "", ""]])]
+    quantities = [["quantity", "unit", *names, "difference"], *rows]
+    answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
+    lines = [verdict, *answers, "", *aligned(keys, 1), "", *aligned(quantities, 2)]
+    contents: dict[str, Content] = {"plot": plot, "report": page, "csv": csv_text(columns)}
+    deliver(options, targets, contents, "\n".join(lines))
     return 0
+
+
+def _changes(pass_of: Scenario, one: Values, two: Values) -> list[list[str]]:
+    """Return a table row for each key whose values differ: key, both values in SI units, and both
+    as typed.
+    """
+    rows = []
+    for key, (declared, _) in pass_of.keys().items():
+        values = [one[key], two[key]]
+        if values[0] != values[1]:
+            typed = " and ".join(displayed(declared, value) for value in values)
+            rows.append([key, *map(format_value, values), typed])
+    return rows
 
 
 def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:

@@ -8,12 +8,13 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from bristle_sim.cli.main import MISSED
-from bristle_sim.cli.options import add_options, files_of, write_files
-from bristle_sim.cli.output import json_of, print_error, print_line
+from bristle_sim.cli.options import Content, add_options, deliver, files_of
+from bristle_sim.cli.output import json_of, print_error
 from bristle_sim.cli.scenario import Scenario, Values, build_parameters
 from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.readable import aligned, readable_unit
@@ -59,23 +60,15 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         del targets["plot"]
         print_error("--plot: left out, as no two wants conflict")
 
-    def write(option: str, target: Path) -> None:
-        """Draw the trade-off between two wanted quantities, or write the tool, as the option
-        requests.
-        """
-        if option == "plot":
-            from bristle_sim.render.style import save_figure
+    def plot(target: Path) -> None:
+        """Draw the trade-off between two wanted quantities."""
+        from bristle_sim.render.style import save_figure
 
-            save_figure(found.plot(), target)
-        else:
-            write_tool(found.tool, target)
+        save_figure(found.plot(), target)
 
-    write_files(targets, {"plot": write, "write_tool": write, "json": text})
-    print_line(
-        text
-        if options.json == "-"
-        else "\n".join([found.answer, *found.remarks, "", *_tables(found)])
-    )
+    made: dict[str, Content] = {"plot": plot, "write_tool": partial(write_tool, found.tool)}
+    lines = [found.answer, *found.remarks, "", *_tables(found)]
+    deliver(options, targets, made | {"json": text}, "\n".join(lines))
     return MISSED if found.conflict else 0
 
 

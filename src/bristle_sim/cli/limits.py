@@ -6,8 +6,8 @@ import argparse
 import dataclasses
 from collections.abc import Sequence
 
-from bristle_sim.cli.options import add_options, files_of, write_files
-from bristle_sim.cli.output import json_of, print_line
+from bristle_sim.cli.options import add_options, deliver, files_of
+from bristle_sim.cli.output import json_of
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import aligned
@@ -49,11 +49,10 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     answer = limits_in_words(declared, low, high, changes)
     found = [dataclasses.asdict(each) for each in changes]
     text = json_of("limits", answer, values, changes=found)
-    write_files(targets, {"json": text})
     rows = [[f"{key}{unit and f' ({declared.unit})'}", "below", "above"]]
     rows += [[f"{each.at:.9g}", each.below, each.above] for each in changes]
     table = ["", *aligned(rows, 0)] if changes else []
-    print_line(text if options.json == "-" else "\n".join([answer, *table]))
+    deliver(options, targets, {"json": text}, "\n".join([answer, *table]))
     return 0
 
 

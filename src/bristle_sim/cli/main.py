@@ -6,14 +6,12 @@ import argparse
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 from warnings import catch_warnings, simplefilter
 
-from bristle_sim.cli.options import Content, parser_of, targets_of, write_files
+from bristle_sim.cli.options import Content, deliver, parser_of, targets_of
 from bristle_sim.cli.output import (
     csv_text,
     document,
@@ -53,8 +51,6 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
             "ignore", UnusualValueWarning
         )  # typed values have warnings of their own, in one line each
         try:
-            if sys.stdout is None:
-                raise OSError("standard output: must be open")
             options = parser_of(scenario, program, sweeping="--sweep" in command).parse_args(
                 arguments
             )
@@ -79,10 +75,14 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                     raise ValueError(
                         f"{', '.join(options.set)}: must be less extreme ({error})"
                     ) from error
-                work = Work(scenario, options, values, targets, command)
-                work.deliver(report, finished=not status)
-                if not status and False in map(attrgetter("ok"), report.quantities):
-                    status = MISSED
+                finished = not status
+                contents = {}
+                if finished:
+                    contents = _contents(scenario, options, values, targets, command, report)
+                    status = MISSED * any(each.ok is False for each in report.quantities)
+                if options.json is not None:
+                    contents["json"] = document(scenario.name, values, report, finished=finished)
+                deliver(options, targets, contents, in_words(report))
         except (ValueError, OSError) as error:
             print_error(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
             return BAD_INPUT
@@ -142,59 +142,30 @@ def _even_columns(subject: Any, interval: str) -> Columns:
     return columns
 
 
-@dataclass
-class Work:
-    """A request to run a scenario: the parameter values, the files to write, and the command line."""
+def _contents(
+    scenario: Scenario,
+    options: argparse.Namespace,
+    values: Values,
+    targets: Mapping[str, Path],
+    command: str,
+    report: Report,
+) -> dict[str, Content]:
+    """Return the functions that write figure, film, tool file and report page, and the text of the
+    CSV file, by option.
 
-    scenario: Scenario
-    options: argparse.Namespace
-    values: Values
-    targets: Mapping[str, Path]
-    command: str
+    They are in the order of writing, since the page shows the film.
+    """
 
-    def deliver(self, report: Report, *, finished: bool) -> None:
-        """Write the requested files and print the answer.
-
-        After an interruption, only the JSON file is written.
-        """
-        options = self.options
-        texts: dict[str, str] = {}
-        if finished and options.csv is not None:
-            texts["csv"] = self._csv(report).removesuffix("\n")
-        if options.json is not None:
-            texts["json"] = document(self.scenario.name, self.values, report, finished=finished)
-        # In order: the page shows the film.
-        drawn = [name for name in self.targets if finished and name not in ("json", "csv")]
-        contents: dict[str, Content] = dict.fromkeys(drawn, partial(_write, self, report))
-        write_files(self.targets, contents | texts)
-        shown = next((text for name, text in texts.items() if getattr(options, name) == "-"), "")
-        print_line(shown or in_words(report))
-
-    def _csv(self, report: Report) -> str:
-        """Return the text of the file that ``--csv`` requests, in the format of its suffix."""
-        scenario = self.scenario
-        assert scenario.series is not None
-        write = scenario.formats.get(Path(self.options.csv).suffix.lower())
-        if self.options.interval is not None:
-            return csv_text(_even_columns(report.subject, self.options.interval))
-        return csv_text(scenario.series(report)) if write is None else write(report)
-
-
-def _write(work: Work, report: Report, option: str, target: Path) -> None:
-    """Write the figure, film, tool file or report page that an option requests."""
-    scenario = work.scenario
-    options = work.options
-    if option == "plot":
-        draw(scenario, report, target)
-    elif option == "video" and scenario.film is not None:
+    def film(target: Path) -> None:
+        assert scenario.film is not None
         rate = {} if options.fps is None else {"fps": options.fps}
         scenario.film(report, **(options.size or {})).write(target, **rate)
-    elif option == "write_tool":
-        found = (
-            build_parameters(Tool, work.values) if scenario.tool is None else scenario.tool(report)
-        )
+
+    def tool_file(target: Path) -> None:
+        found = build_parameters(Tool, values) if scenario.tool is None else scenario.tool(report)
         write_tool(found, target)
-    else:
+
+    def page(target: Path) -> None:
         from bristle_sim.render.report import write_report
 
         write_report(
@@ -202,12 +173,28 @@ def _write(work: Work, report: Report, option: str, target: Path) -> None:
             report,
             name=scenario.name,
             question=scenario.question,
-            command=work.command,
-            parameters=scenario.parameter_rows(work.values),
+            command=command,
+            parameters=scenario.parameter_rows(values),
             plot=partial(draw, scenario) if scenario.plot or scenario.plots else None,
             plot_is_folder=scenario.plots is not None,
-            video=work.targets.get("video"),
+            video=targets.get("video"),
         )
+
+    plot = partial(draw, scenario, report)
+    found: dict[str, Content] = {
+        "plot": plot,
+        "video": film,
+        "write_tool": tool_file,
+        "report": page,
+    }
+    if options.csv is not None:
+        assert scenario.series is not None
+        write = scenario.formats.get(Path(options.csv).suffix.lower())
+        if options.interval is not None:
+            found["csv"] = csv_text(_even_columns(report.subject, options.interval))
+        else:
+            found["csv"] = write(report) if write else csv_text(scenario.series(report))
+    return found
 
 
 def draw(scenario: Scenario, report: Report, path: Path) -> None:

@@ -6,11 +6,12 @@ import argparse
 import math
 import os
 import re
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from bristle_sim.cli.output import print_error, write_text
+from bristle_sim.cli.output import print_error, print_line, write_text
 from bristle_sim.cli.scenario import Scenario, Values
 from bristle_sim.files import checked_target, is_special
 
@@ -61,32 +62,46 @@ def files_of(
     return found
 
 
-Content = str | Callable[[str, Path], None]
-"""Content of a file: its text, or a function of option and path that writes the file."""
+Content = str | Callable[[Path], object]
+"""Content of a file: its text, or a function that writes the file."""
 
 
-def write_files(targets: Mapping[str, Path], contents: Mapping[str, Content]) -> None:
-    """Write each content to the file of its option; an option without a file is skipped.
+def deliver(
+    options: argparse.Namespace,
+    targets: Mapping[str, Path],
+    contents: Mapping[str, Content],
+    answer: str,
+) -> None:
+    """Write each content to the file of its option, in order, and print the answer.
 
-    ``targets`` are the files by option, ``contents`` the contents by option. Texts are written
-    last. Standard error lists the files except the JSON file.
+    A text whose option is ``-`` is printed instead of the answer. An option without a file is
+    skipped. Standard error lists the files except the JSON file.
+
+    Args:
+        options: the parsed options.
+        targets: the files by option.
+        contents: the contents by option.
+        answer: text of the answer.
 
     Raises:
         OSError: if a file cannot be written; the message names option and file.
     """
-    for option, made in sorted(contents.items(), key=lambda each: isinstance(each[1], str)):
+    for option, made in contents.items():
         target = targets.get(option)
         if target is None:
+            if isinstance(made, str) and getattr(options, option) == "-":
+                answer = made
             continue
         try:
             if isinstance(made, str):
                 write_text(target, made)
             else:
-                made(option, target)
+                made(target)
         except OSError as error:
             raise OSError(f"{flag(option)} = {str(target)!r}: {error.strerror or error}") from error
         if option != "json":
             print_error(f"{flag(option)}: wrote {target}")
+    print_line(answer)
 
 
 def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path]:
@@ -96,7 +111,10 @@ def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) 
 
     Raises:
         ValueError: for a file that is refused, or options that contradict each other.
+        OSError: if standard output is closed.
     """
+    if sys.stdout is None:
+        raise OSError("standard output: must be open")
     of_sweep = (options.workers is not None, options.store is not None, bool(options.quantity))
     if not options.sweep and any(of_sweep):
         raise ValueError("--workers, --store, --quantity: must be given with --sweep")

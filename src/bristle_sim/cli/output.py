@@ -29,7 +29,7 @@ from bristle_sim.version import __version__, named_commit
 SILENCE = 15.0  # longest time between two printed reports on the progress of a computation, s
 # Exit status of a shell whose command was ended by a signal, less the signal's number
 SIGNALLED = 128
-LATER = 1e-3  # delay, s, after which a signal that arrived in a callback is repeated
+LATER = 1e-3  # delay, s, after which a signal that arrived within pymunk is repeated
 
 USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 if sys.platform != "win32":
@@ -133,18 +133,13 @@ def ending_in_order() -> Iterator[None]:
 def _end(number: int, frame: FrameType | None) -> None:
     """Handle a signal by raising the exception that ends the computation.
 
-    Python discards an exception that is raised in a callback of the physics engine. If the signal
-    arrives there, it is repeated a little later instead.
+    Python discards an exception that is raised in a callback of the physics engine, and the engine's
+    memory must not be freed by half. If the signal arrives within pymunk, it is repeated a little
+    later instead.
     """
     while frame is not None:
-        code = frame.f_code
-        callback = (
-            code.co_filename.endswith("_callbacks.py")
-            or code.co_name.endswith("free")
-            or code.co_name == "freebody"
-        )
-        in_hook = code.co_name == _end_again.__name__ and frame.f_globals is globals()
-        if ("pymunk" in code.co_filename and callback) or in_hook:
+        module = frame.f_globals.get("__name__", "")
+        if module.partition(".")[0] == "pymunk" or frame.f_code is _end_again.__code__:
             _try_again(number)
             return
         frame = frame.f_back
@@ -222,13 +217,14 @@ def format_value(value: Any) -> str:
 def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
     """Return a time series as CSV text at full precision.
 
-    The first row has the names with units; each further row is one sample.
+    The first row has the names with units; each further row is one sample. The last line has no
+    end.
     """
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(zip(*(plain(list(column)) for column in columns.values()), strict=True))
-    return text.getvalue()
+    return text.getvalue().removesuffix("\n")
 
 
 def in_words(report: Report) -> str:

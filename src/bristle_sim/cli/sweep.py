@@ -14,8 +14,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.cli.options import write_files
-from bristle_sim.cli.output import csv_text, json_of, print_line
+from bristle_sim.cli.options import Content, deliver
+from bristle_sim.cli.output import csv_text, json_of
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Tool, tool_keys
@@ -66,23 +66,22 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     fixed = {
         key: value for key, value in scenario.values_of(options.set).items() if key not in axes
     }
-    texts = {
-        "csv": csv_text(columns).removesuffix("\n"),
-        "json": json_of(scenario.name, answer, fixed, columns=columns),
-    }
 
-    def plot(_: str, target: Path) -> None:
+    def plot(target: Path) -> None:
         """Draw the chosen quantities over the swept parameters."""
         from bristle_sim.render.style import save_figure
         from bristle_sim.render.sweep_figures import sweep_figure
 
         save_figure(sweep_figure(found, chosen), target)
 
-    write_files(targets, {**texts, "plot": plot})
+    contents: dict[str, Content] = {
+        "plot": plot,
+        "csv": csv_text(columns),
+        "json": json_of(scenario.name, answer, fixed, columns=columns),
+    }
     table = _rows(found, chosen) if len(axes) == 1 else _extremes(found, chosen)
     table += _wrapped("constant", constants_in_words(found))
-    shown = next((texts[name] for name in texts if getattr(options, name) == "-"), None)
-    print_line(shown or "\n".join([answer, "", *table]))
+    deliver(options, targets, contents, "\n".join([answer, "", *table]))
 
 
 def _axis(scenario: Scenario, text: str) -> Series:

@@ -265,7 +265,7 @@ def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> bytes:
     if kind == "json":
         return f"{document(pass_of.name, values, pass_of.answer(values))}\n".encode()
     if kind == "csv" and pass_of.series is not None:
-        return csv_text(pass_of.series(pass_of.answer(values))).encode()
+        return f"{csv_text(pass_of.series(pass_of.answer(values)))}\n".encode()
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"tool.{kind}"
         if kind == "toml":
