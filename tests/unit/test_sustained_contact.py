@@ -4,22 +4,32 @@ import math
 
 import pytest
 
-from bristle_sim.scene.gaps import Gaps, slip_acceleration
+from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.pairs import WorkpartPair
-from bristle_sim.scene.rigid import sense_of_slip
+from bristle_sim.scene.pairs import ClosedPair, WorkpartPair
+from bristle_sim.scene.rigid import RigidContacts
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
+
+
+def closed(
+    mechanism: Mechanism, pair: WorkpartPair, state: State
+) -> tuple[ClosedPair, RigidContacts]:
+    """A closed contact, and the forces that keep it closed."""
+    contact = ClosedPair(pair)
+    rigid = RigidContacts(Scene(mechanism, Effects(pairs=(pair,))), [contact], paired=True)
+    rigid.engage(state)
+    return contact, rigid
 
 
 @pytest.mark.parametrize(("rate", "sense"), [(0.5, 1), (-0.5, -1), (0.0, None)])
 def test_friction_on_a_lone_link_acts_against_a_given_slip(rate: float, sense: int | None) -> None:
     """The tip of a rod at 0.7 slips by its rate times cos 0.7; at rest it has no sense."""
     state = State(0.0, (0.7,), (rate,))
-    assert (
-        sense_of_slip(Gaps(ROD), WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.5), state, 1e-6) == sense
-    )
+    contact, rigid = closed(ROD, WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.5), state)
+    rigid.set_slip(state, contact, 1e-6)
+    assert contact.slip == sense
 
 
 def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
@@ -33,7 +43,9 @@ def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
     part = WorkpartPair(2.0 * math.cos(0.4), 0.3, 0.3, 0.0)
     for rounding in (1e-8, -1e-8):
         state = State(0.0, (0.4,), (-2.0 + rounding,))
-        assert slip_acceleration(Gaps(mechanism), part, state) == pytest.approx(
+        contact, rigid = closed(mechanism, part, state)
+        assert rigid.slip_acceleration(contact, state) == pytest.approx(
             -8.0 / math.sin(0.4), rel=1e-4
         )
-        assert sense_of_slip(Gaps(mechanism), part, state, 1e-6) == -1
+        rigid.set_slip(state, contact, 1e-6)
+        assert contact.slip == -1

@@ -22,10 +22,9 @@ import pymunk
 
 from bristle_sim.contact_space.joints import Connected
 from bristle_sim.scene.engine import EngineSteps
-from bristle_sim.scene.link_solver import LinkVelocity
 from bristle_sim.scene.mechanism import Mechanism, State, xy
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.solver import WireVelocities
+from bristle_sim.scene.solver import LinkVelocity, WireVelocities
 
 SHAPE_MARGIN = 0.02
 """Length by which the engine's shapes of obstacles are enlarged, over the link's length. The engine

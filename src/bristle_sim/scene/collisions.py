@@ -8,16 +8,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.gaps import opening_rate
 from bristle_sim.scene.impacts import ENERGETIC
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.motion import Motion
-from bristle_sim.scene.pairs import ClosestApproach, ContactPair
+from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import LEAST_SLIP
-from bristle_sim.scene.spring_phases import look_up_slip, unload
+from bristle_sim.scene.spring import SpringContact
+from bristle_sim.scene.spring_phases import look_up_slip
 from bristle_sim.scene.system import System
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
@@ -31,27 +31,15 @@ MOST_CHANGED_APPROACH = 0.5
 error is assumed to grow linearly."""
 
 
-class Contacts(NamedTuple):
-    """The contacts after a decision.
-
-    Attributes:
-        active: the contacts that exert forces.
-        separating: pairs that move apart but whose gaps are still closed.
-    """
-
-    active: Sequence[ActiveContact] = ()
-    separating: Sequence[ContactPair] = ()
-
-
 def end_contacts(
     system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
-) -> list[ActiveContact]:
+) -> tuple[ActiveContact, ...]:
     """Record the contacts in ``ending`` as ended, and return the other contacts."""
     system.scene.engine.keep_closed(())
-    for contact in contacts:
-        if contact in ending and (record := contact.record(system.gaps, system.state, outcome)):
+    for contact in ending:
+        if record := contact.record(system.gaps, system.state, outcome):
             system.contact(record, contact.pair)
-    return [contact for contact in contacts if contact not in ending]
+    return tuple([contact for contact in contacts if contact not in ending])
 
 
 def name_releases(system: System, contacts: Sequence[ActiveContact]) -> None:
@@ -60,31 +48,17 @@ def name_releases(system: System, contacts: Sequence[ActiveContact]) -> None:
         system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
 
 
-def given_up(system: System, motion: Motion, error: ValueError) -> Contacts:
-    """Stop the run at a contact that its law cannot resolve; the law's message becomes the
-    explanation of the stop.
-
-    Raises:
-        ValueError: the law's own error, if the contact is the run's first.
-    """
-    if not system.recording.contacts:
-        raise error
-    system.stop(StopReason.UNRESOLVED, str(error))
-    return Contacts(motion.contacts, motion.separating)
-
-
-def jammed(system: System, contacts: Sequence[ActiveContact], pair: ContactPair) -> Contacts:
-    """Stop the run because an impact jams a link."""
+def jam(system: System, *pairs: ContactPair) -> None:
+    """Stop the run because links jam at some pairs."""
     system.stop(StopReason.JAM)
-    system.event("jam", system.wires_of(pair))
-    return Contacts(contacts)
+    system.event("jam", sorted({wire for pair in pairs for wire in system.wires_of(pair)}))
 
 
 def resolve_impacts(
     system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool
-) -> Contacts:
-    """Resolve an impact and the impacts that it causes at the same instant; return the contacts
-    after them.
+) -> Motion:
+    """Resolve an impact and the impacts that it causes at the same instant; return the motion with
+    the contacts after them.
 
     Args:
         system: the run.
@@ -94,7 +68,7 @@ def resolve_impacts(
         rests: whether the link comes to rest, without restitution.
     """
     single_link = system.mechanism.single_link
-    contacts: Sequence[ActiveContact] = motion.contacts
+    contacts = motion.contacts
     known = [contact for contact in contacts if contact.pair is pair]
     if known:
         # Another straight segment of the same link takes over the contact.
@@ -104,23 +78,21 @@ def resolve_impacts(
         name_releases(system, motion.ordered)
     left = _least_opening_rate(system, pair) if single_link else math.inf
     system.scene.engine.keep_closed(())
-    try:
-        record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
-    except ValueError as error:
-        return given_up(system, motion, error)
+    record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
     jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
     if jams:
         system.stop(StopReason.JAM)
     system.event(name, system.wires_of(pair))
     if jams:
-        return jammed(system, contacts, pair)
-    after = replace(motion, contacts=tuple(contacts))
+        jam(system, pair)
+        return Motion(contacts)
+    after = Motion(contacts, motion.separating)
     if not single_link:
         return _after_all_touches(system, after, pair)
     springs = _springs_after_impact(system, after)
     if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow:
-        return Contacts([*springs, ActiveContact(pair)])
-    return Contacts(springs, [pair])
+        return Motion((*springs, ActiveContact(pair)))
+    return Motion(springs, (pair,))
 
 
 def _least_opening_rate(system: System, pair: ContactPair) -> float:
@@ -135,9 +107,9 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
     return min(rates, default=math.inf)
 
 
-def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Contacts:
-    """Resolve an impact, and those that it causes at other closed contacts; return the contacts
-    after them.
+def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Motion:
+    """Resolve an impact, and those that it causes at other closed contacts; return the motion with
+    the contacts after them.
 
     The contact with the fastest approach is resolved first, repeatedly, until no contact
     approaches.
@@ -150,10 +122,12 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
         if rates[fastest] >= -system.slow:
             break
         if _resolve(system, fastest, rests=False).outcome == Outcome.JAM:
-            return jammed(system, motion.contacts, fastest)
+            jam(system, fastest)
+            return Motion(motion.contacts)
     else:
-        return jammed(system, motion.contacts, fastest)
-    leaving = [pair for pair in closed if rates[pair] > system.slow]
+        jam(system, fastest)
+        return Motion(motion.contacts)
+    leaving = tuple(pair for pair in closed if rates[pair] > system.slow)
     released = [contact for pair, contact in lasting.items() if pair in leaving]
     end_contacts(system, motion.contacts, released, touched.name)
     name_releases(system, released)
@@ -161,25 +135,24 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
         contact.slip = None
     springs = _springs_after_impact(system, motion)
     staying = [lasting.get(pair) or ActiveContact(pair) for pair in closed if pair not in leaving]
-    return Contacts([*staying, *springs], leaving)
+    return Motion((*staying, *springs), leaving)
 
 
-def _springs_after_impact(system: System, motion: Motion) -> list[ActiveContact]:
+def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact, ...]:
     """Set the phases of all contacts with springs anew after an impact elsewhere on the wire, and
     return these contacts.
 
     The impact changes the velocities of their contact points.
     """
-    contacts = []
-    for contact, spring in motion.springs:
-        if spring.at_rest and system.approach(contact.pair) < 0.0:
+    for spring in motion.springs:
+        approach = system.approach(spring.pair)
+        if spring.at_rest and approach < 0.0:
             spring.deepest = None
         spring.at_rest = False
-        if spring.loading and system.approach(contact.pair) > 0.0:
-            unload(system, contact, spring)
-        look_up_slip(system, motion, contact, spring)
-        contacts.append(contact)
-    return contacts
+        if spring.loading and approach > 0.0:
+            spring.unload(spring.penetration(system.gaps, system.state))
+        look_up_slip(system, motion, spring)
+    return tuple(motion.springs)
 
 
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
@@ -236,23 +209,13 @@ def propagate_error(
         angles = [each + late * rate for each, rate in zip(angles, rates, strict=True)]
         rates = [each + late * change for each, change in zip(rates, changes, strict=True)]
         other = gaps.closest(pair, State(before.time + late, tuple(angles), tuple(rates)))
-        part = _jump_ratio(touch, other, single_link=system.mechanism.single_link) - 1.0
+        # A jump is proportional to the speed of approach, of a single link also to 1/lever.
+        part = other.velocity[0] / approach if approach else math.inf
+        if system.mechanism.single_link:
+            part *= cross(touch.arm, touch.normal) / cross(other.arm, other.normal)
+        part -= 1.0
         if undecided or not abs(part) < MOST_CHANGED_APPROACH:
             recording.lost = before.time
             return
         for jump in jumps:
             recording.error = max(recording.error, abs(error - jump * late), abs(off + jump * part))
-
-
-def _jump_ratio(touch: ClosestApproach, other: ClosestApproach, *, single_link: bool) -> float:
-    """Return the ratio of the velocity jumps in two nearby impacts: ``other`` over ``touch``.
-
-    A jump is proportional to the speed of approach. For a single link it is also inversely
-    proportional to the lever of the normal.
-    """
-    jump = touch.velocity[0]
-    other_jump = other.velocity[0]
-    if single_link:
-        jump *= cross(other.arm, other.normal)
-        other_jump *= cross(touch.arm, touch.normal)
-    return other_jump / jump if jump else math.inf

@@ -20,8 +20,8 @@ from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, Load
 from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, ContactPair, WorkpartPair
-from bristle_sim.scene.spring import Spring, SpringForce
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
+from bristle_sim.scene.spring import SpringContact, SpringForce
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, energetic_impact
@@ -85,7 +85,7 @@ class CompliantLaw(ContactLaw):
 
     def spring(
         self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
-    ) -> Spring | None:
+    ) -> SpringContact | None:
         """Return the spring of a new contact; None if the touch is too slow to be simulated.
 
         ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
@@ -143,7 +143,7 @@ class CompliantLaw(ContactLaw):
         law = ContactSpring(
             stiffness, restitution, pair.friction, pair.restitution_friction, compliance
         )
-        return Spring(
+        return SpringContact(
             law=law,
             pair=pair,
             duration=duration,
@@ -152,6 +152,7 @@ class CompliantLaw(ContactLaw):
             stepper=Extrapolation(tolerance, fastest, repetitions, longest),
             surface=touch.gap,
             inverse_mass=space.inverse_mass,
+            start=state,
         )
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
@@ -200,7 +201,7 @@ def rigid_stiffness(
     straight wire about the root).
     """
     turn = np.exp(1j * np.array(state.angles))
-    normals, _ = contact_rows(mechanism, turn, [ClosedPair(pair, None, None)], [touch])
+    normals, _ = contact_rows(mechanism, turn, [pair], [touch])
     size = mechanism.wire_links
     inertia = mechanism.constants.products[:size, :size].real.sum()
     return frictionless_stiffness(float(normals.sum() ** 2 / inertia), pair.restitution, duration)
@@ -214,7 +215,7 @@ class ContactLoad:
 
     symmetric = False  # springs act differently forwards and backwards in time
 
-    def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[Spring]) -> None:
+    def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[SpringContact]) -> None:
         self._rigid = rigid
         self._parts: list[Load | SpringForce] = [] if rigid is None else [rigid]
         self._parts += [SpringForce(scene, spring) for spring in springs]
@@ -242,7 +243,7 @@ class ContactLoad:
         return self._rigid is not None and self._rigid.fails(totals)
 
 
-def follow_bodies(scene: Scene, state: State, spring: Spring) -> None:
+def follow_bodies(scene: Scene, state: State, spring: SpringContact) -> None:
     """Update a spring's inverse mass matrix from the bodies' positions, in stick and in slip at
     rest, where the tangential force depends on it.
     """

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
 
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.spring import Spring
+from bristle_sim.scene.pairs import ClosedPair
 from bristle_sim.trajectory import ContactRecord
 
 
@@ -63,12 +62,13 @@ class Outcome(StrEnum):
 
 
 @dataclass(slots=True, eq=False)
-class ActiveContact:
+class ActiveContact(ClosedPair):
     """A contact that lasts, with its impulse and work so far.
 
+    Objects of this class itself are rigid contacts; ``SpringContact`` is the subclass of contacts
+    with springs. In a rigid contact friction opposes ``slip``.
+
     Attributes:
-        pair: the two bodies in contact.
-        spring: springs of a contact that is simulated over its duration; None for a rigid contact.
         start: state at which the contact began; None until it has begun.
         impulse: normal and tangential impulse since the start.
         work: work of the normal and of the tangential force since the start.
@@ -76,20 +76,15 @@ class ActiveContact:
         tangential: tangential force at the end of the last interval.
         vanishes_in: estimated time from the end of the last interval until the normal force reaches
             zero.
-        slip: sense of slip that friction opposes in a rigid contact, 1 or -1; 0 in stick, None
-            until the sense is determined.
         stopped: sense of the slip that has just stopped, 1 or -1; 0 if no slip has just stopped.
     """
 
-    pair: ContactPair
-    spring: Spring | None = None
     start: State | None = None
     impulse: tuple[float, float] = (0.0, 0.0)
     work: tuple[float, float] = (0.0, 0.0)
     force: float | None = None
     tangential: float = 0.0
     vanishes_in: float = math.inf
-    slip: int | None = None
     stopped: int = 0
 
     def turn(self, sense: int) -> None:
@@ -129,24 +124,13 @@ class ActiveContact:
         self.tangential = sums.tangential
         return first, bend
 
-    def sample(self, gaps: Gaps, state: State) -> float:
-        """Record a sample of forces and motion at a state; return the normal force."""
-        assert self.spring is not None
-        touch = gaps.closest(self.pair, state)
-        penetration = self.spring.surface - touch.gap
-        self.force, self.tangential = self.spring.forces(penetration)
-        self.spring.course.rows.append(
-            (state.time, self.force, self.tangential, penetration, *touch.velocity)
-        )
-        return self.force
-
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
         """Return the contact record; None for a contact of zero duration."""
         first = self.start
         if first is None or last.time <= first.time:
             return None
         before, after = (gaps.closest(self.pair, state).velocity for state in (first, last))
-        record = ContactRecord(
+        return ContactRecord(
             obstacle=self.pair.name,
             law="sustained",
             outcome=str(outcome),
@@ -161,19 +145,4 @@ class ActiveContact:
             angles=first.angles,
             rates_before=first.rates,
             rates_after=last.rates,
-        )
-        if self.spring is None:
-            return record
-        course = self.spring.course
-        impulse, work = course.compression or (self.impulse, self.work)
-        return replace(
-            record,
-            law="compliant",
-            compressive_impulse=impulse,
-            compressive_work=work,
-            restitutive_work=(self.work[0] - work[0], self.work[1] - work[1]),
-            velocity_before=before,
-            velocity_after=after,
-            phases=course.phase_names(self.impulse[0], jams=outcome == Outcome.JAM),
-            history=course.history(),
         )

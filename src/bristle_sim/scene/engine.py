@@ -53,8 +53,8 @@ class EngineSteps:
         work: cost of the steps taken: a step counts once for every ``LINKS_OF_A_STEP`` links, or
             part of them.
         place: sets positions and velocities of all bodies.
-        take_symmetric: function that takes time-symmetric steps; None while only plain steps are
-            possible. Time-symmetric steps need ``solver.WireVelocities`` as ``joint_solver``.
+        take_symmetric: function that takes time-symmetric steps; None for wires of a single link,
+            which take plain steps.
     """
 
     def __init__(
@@ -88,14 +88,14 @@ class EngineSteps:
         ]
         self._dampings = [(spring, spring.damping) for spring in springs if spring.damping]
         self._solve: Callable[[float], None] | None = None
-        self.take_symmetric: Callable[..., list[float]] | None = None
+        self.take_symmetric = self._take_symmetric if several_links else None
         self.keep_closed(())
 
     @cached_property
     def joint_solver(self) -> Any:
         """Solver of joints, damping and sustained contacts, created when it is first needed.
 
-        It is a ``solver.WireVelocities``, or a ``link_solver.LinkVelocity`` for a single link.
+        It is a ``solver.WireVelocities``, or a ``solver.LinkVelocity`` for a single link.
         """
         return self._make_solver()
 
@@ -106,8 +106,6 @@ class EngineSteps:
         solving = bool(contacts) or self._several_links
         if solving is (self._solve is None):
             self._solve = self.joint_solver.solve if solving else None
-            symmetric = solving and self.joint_solver.reversible
-            self.take_symmetric = self._take_symmetric if symmetric else None
             for spring, damping in self._dampings:
                 spring.damping = 0.0 if solving else damping
         if solving:

@@ -25,7 +25,7 @@ from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import BarPair, ClosestApproach
 from bristle_sim.scene.rigid import RigidContacts
-from bristle_sim.scene.spring import Spring
+from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 
 # least compliance of a slipping contact, over the compliance of a free link: with less, the link
@@ -190,8 +190,8 @@ def contact_events(
         rigid: solver of the rigid contacts; None without rigid contacts.
     """
     for index, contact in enumerate(contacts):
-        if contact.spring is not None:
-            yield from _spring_events(system, contact, contact.spring, index)
+        if isinstance(contact, SpringContact):
+            yield from _spring_events(system, contact, index)
             continue
         assert rigid is not None
         yield from _rigid_events(system, contact, rigid, index)
@@ -214,7 +214,7 @@ def _rigid_events(
     least = LEAST_OF_SINGLE_LINK if single else LEAST_COMPLIANCE_IN_SLIP
 
     def compliance(at: IntervalResult) -> float:
-        return rigid.compliance_in_slip(gaps, at.state, index) - least
+        return rigid.compliance_in_slip(at.state, index) - least
 
     def push(at: IntervalResult) -> float:
         return sums_of(at.totals, index).normal if at.totals else math.nan
@@ -268,16 +268,14 @@ def _bar_events(
         yield Event(Kind.HAND_OVER, (contact, upper), partial(after, upper), 1)
 
 
-def _spring_events(
-    system: System, contact: ActiveContact, spring: Spring, index: int
-) -> Iterator[Event]:
+def _spring_events(system: System, spring: SpringContact, index: int) -> Iterator[Event]:
     """Yield the events of a contact spring: changes between loading, unloading and rest, and
     changes between slip and stick.
 
     The value of each event is a velocity, or a penetration or force converted to a velocity by the
     contact's duration.
     """
-    pair = contact.pair
+    pair = spring.pair
     gaps = system.gaps
     duration = spring.duration
     tolerance = max(LOCATED_VELOCITY * spring.stepper.noise, math.ulp(1.0))
@@ -311,10 +309,9 @@ def _spring_events(
 
     def left(at: IntervalResult) -> float:
         """Return the time until the contact is too long for an impact, over its duration."""
-        since = at.state.time - (contact.start or at.state).time
-        return OVERDUE_DURATIONS - since / duration
+        return OVERDUE_DURATIONS - (at.state.time - spring.start.time) / duration
 
-    falls = partial(Event, subject=contact, tolerance=tolerance)
+    falls = partial(Event, subject=spring, tolerance=tolerance)
     # This event ends contacts that follow the impact law and would not end otherwise.
     if system.follows_law(spring):
         yield falls(Kind.OVERDUE, value=left)

@@ -23,7 +23,6 @@ from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.scene.build import SHAPE_MARGIN, Scene
 from bristle_sim.scene.mechanism import Pose, State, Vector, cross, xy
 from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair, components
-from bristle_sim.scene.spring import Spring
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
@@ -42,17 +41,6 @@ class ContactLaw(ABC):
 
     name: ClassVar[str]
     instantaneous: ClassVar[bool] = True
-
-    def spring(
-        self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
-    ) -> Spring | None:
-        """Return the spring of a contact that is simulated over its duration; None for an
-        instantaneous impact.
-
-        ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
-        """
-        del scene, state, pair, press
-        return None
 
     def known_to(self, error: float) -> ContactLaw:
         """Return the law adapted to the relative error of the velocities before the impact.

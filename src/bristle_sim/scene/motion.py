@@ -19,7 +19,7 @@ from bristle_sim.scene.locate import Interval
 from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts
-from bristle_sim.scene.spring import Spring
+from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import MOST_GROWTH, System
 from bristle_sim.settings import StopReason
 
@@ -59,7 +59,7 @@ class Motion:
     """A smooth motion of the links, up to the next change of contact.
 
     Attributes:
-        contacts: the active contacts, the rigid ones first.
+        contacts: the active contacts, the rigid ones first once the motion has begun.
         separating: pairs that have been released but whose gaps are still closed.
         rigid: solver that keeps rigid contacts closed; None without rigid contacts.
         load: forces of all contacts; None without contacts.
@@ -80,14 +80,12 @@ class Motion:
     @property
     def ordered(self) -> list[ActiveContact]:
         """The rigid contacts."""
-        return [contact for contact in self.contacts if contact.spring is None]
+        return [each for each in self.contacts if not isinstance(each, SpringContact)]
 
     @property
-    def springs(self) -> Iterator[tuple[ActiveContact, Spring]]:
-        """The contacts with springs, each with its spring."""
-        return (
-            (contact, contact.spring) for contact in self.contacts if contact.spring is not None
-        )
+    def springs(self) -> list[SpringContact]:
+        """The contacts with springs."""
+        return [each for each in self.contacts if isinstance(each, SpringContact)]
 
 
 def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
@@ -145,7 +143,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     """
     start = system.state
     first = motion.before is None
-    for _, spring in motion.springs:
+    for spring in motion.springs:
         follow_bodies(system.scene, start, spring)
     length = _proposed(system, motion)
     known: dict[float, IntervalResult] = {}
@@ -165,7 +163,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     if system.stepper.accepts(result, length):
         before = (motion.before or IntervalResult(start))._replace(state=start)
         return Interval(before, result, integrate_to), None
-    durations = [SHORTEST_CONTACT_INTERVAL * spring.duration for _, spring in motion.springs]
+    durations = [SHORTEST_CONTACT_INTERVAL * spring.duration for spring in motion.springs]
     if length < min(durations, default=SHORTEST_INTERVAL):
         system.stop(StopReason.ACCURACY)
     return None, None
@@ -234,9 +232,7 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     length = interval.length
     if length <= 0.0:
         return
-    system.state = (
-        result.state if motion.rigid is None else motion.rigid.set_back(gaps, result.state)
-    )
+    system.state = result.state if motion.rigid is None else motion.rigid.set_back(result.state)
     recording.error += result.error
     recording.summed += result.error
     if motion.contacts:
@@ -271,13 +267,13 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
     for index, contact in enumerate(motion.contacts):
         sums = sums_of(interval.end.totals, index)
         contact.add(sums)
-        if contact.spring is None:
+        if not isinstance(contact, SpringContact):
             # At a located release, rounding error may make the force negative.
             first, bend = contact.expect_release(sums, interval.length)
             begins[contact] = max(0.0, first)
             ends[contact] = max(0.0, sums.normal)
         else:
-            contact.spring.stick_force = sums.tangential
+            contact.stick_force = sums.tangential
             ends[contact] = contact.sample(system.gaps, system.state)
     if motion.rigid is not None:
         if motion.before is None and len(begins) == len(ends):
@@ -286,7 +282,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
             for part in INNER_SAMPLES:
                 guess = interval.at(part * interval.length)
                 force = first + part * (sums.normal - first) - part * (1.0 - part) * bend
-                system.sample({contact: force}, state=motion.rigid.set_back(system.gaps, guess))
+                system.sample({contact: force}, state=motion.rigid.set_back(guess))
         motion.rigid.engage(system.state)
     system.sample(ends)
 
@@ -304,7 +300,7 @@ def _proposed(system: System, motion: Motion) -> float:
         LONGEST_TURN * plan.time_scale,
         motion.limit,
     )
-    lengths = [spring.stepper.longest for _, spring in motion.springs]
+    lengths = [spring.stepper.longest for spring in motion.springs]
     if lengths:
         return stepper.propose(min(left, longest, *lengths))
     return min(stepper.propose(left), longest)

@@ -55,18 +55,19 @@ class ClosestApproach(NamedTuple):
         return -1j * self.normal
 
 
-class ClosedPair(NamedTuple):
+@dataclass(slots=True, eq=False)
+class ClosedPair:
     """A closed contact.
 
     Attributes:
         pair: the link and the obstacle.
         piece: index of the touching straight segment of the link; None for the closest segment.
-        slip: sense of slip, +1 or -1; 0 in stick; None without friction.
+        slip: sense of slip, +1 or -1; 0 in stick; None without friction, or while it is unknown.
     """
 
     pair: ContactPair
-    piece: int | None
-    slip: int | None
+    piece: int | None = None
+    slip: int | None = None
 
 
 Line = tuple[complex, complex]

@@ -14,16 +14,9 @@ import numpy as np
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import NUMBERS, sums_of
-from bristle_sim.scene.gaps import (
-    MOMENT,
-    Gaps,
-    contact_rows,
-    set_back,
-    slip_acceleration,
-    turned_back,
-)
+from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.mechanism import State, cross
-from bristle_sim.scene.pairs import ClosedPair, ContactPair
+from bristle_sim.scene.pairs import ClosedPair
 
 LEAST_SLIP = 1e-9
 """Least slip velocity whose sense is known, in scene units, however accurate the simulation is."""
@@ -32,12 +25,17 @@ LEAST_ACCELERATION = 1e-7
 """Least slip acceleration whose sense is known, in scene units. A smaller one is rounding error of
 the difference quotient over the time ``MOMENT``."""
 
+MOMENT = 1e-6
+"""Time step, in engine units, after which a contact's place and slip velocity are computed again:
+the place decides between two straight segments, the slip velocity gives its acceleration."""
+
 
 class RigidContacts:
     """The rigid contacts of a smooth motion, whose forces are solved for together with the joints.
 
-    The motion ends when the normal force of a contact reaches zero. With ``paired`` true each force
-    is the mean of two time-symmetric steps, in which the errors of odd and even steps cancel.
+    The motion ends when the normal force of a contact reaches zero. With ``paired`` true the steps
+    of several links are symmetric in time. Each force is then the mean of two steps, in which the
+    errors of odd and even steps cancel.
 
     Attributes:
         scene: the scene.
@@ -50,26 +48,28 @@ class RigidContacts:
 
     def __init__(self, scene: Scene, closed: Sequence[ClosedPair], *, paired: bool) -> None:
         self.scene = scene
-        self.closed = list(closed)
+        self.closed = closed
         self._solver = scene.engine.joint_solver
-        self._paired = paired and self._solver.reversible
+        self._paired = paired and scene.engine.take_symmetric is not None
         self._step = 0.0
 
     def engage(self, state: State) -> None:
         """Let the contacts act from a state on."""
-        self.closed = [
-            each._replace(piece=self._next_piece(each.pair, state)) for each in self.closed
-        ]
+        mechanism = self.scene.mechanism
+        for contact in self.closed:
+            pair = contact.pair
+            if pair.partner is not None or len(mechanism.links[pair.link].corners) > 2:
+                # At a corner two segments touch; the moment decides between them.
+                later = _a_moment_later(state)
+                contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
         self.scene.engine.keep_closed(self.closed)
 
-    def set_back(self, gaps: Gaps, state: State) -> State:
+    def set_back(self, state: State) -> State:
         """Return the nearest state in which all contacts are closed and the sticking contacts have
         zero slip velocity.
         """
-        if self.scene.mechanism.single_link:
-            (contact,) = self.closed
-            return turned_back(gaps, contact.pair, state, contact.piece)
-        return set_back(gaps, self.closed, state)
+        placed: State = self._solver.set_back(state)
+        return placed
 
     def begin(self, step: float) -> None:
         """Clear the impulses of the last interval; the solver records new ones in each step."""
@@ -114,32 +114,32 @@ class RigidContacts:
         stuck = (index for index, each in enumerate(self.closed) if each.slip == 0)
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
-    def compliance_in_slip(self, gaps: Gaps, state: State, index: int) -> float:
+    def compliance_in_slip(self, state: State, index: int) -> float:
         """Return the relative compliance of a contact in slip.
 
-        It is the change of the normal velocity per unit normal impulse, K_nn - mu sign(v_t) K_nt,
-        divided by the same change without joints and friction. K is the contact-space inverse mass
-        matrix, mu the coefficient of friction and v_t the slip velocity. If the relative compliance
-        is not positive, friction or geometry locks the link: no force keeps the contact closed.
+        It is the change of the normal velocity by a unit normal impulse with its friction, divided
+        by the same change without joints and friction. If it is not positive, friction or geometry
+        locks the link: no force keeps the contact closed.
         """
-        pair, _, sense = self.closed[index]
+        contact = self.closed[index]
+        pair = contact.pair
         mechanism = self.scene.mechanism
-        touch = gaps.closest(pair, state)
         poses = mechanism.poses(state)
-        if sense is None and abs(touch.velocity[1]) > LEAST_SLIP:
-            sense = int(math.copysign(1.0, touch.velocity[1]))
+        touch = pair.closest(poses, state.rates)
+        slip = touch.velocity[1]
+        sense = contact.slip
+        if sense is None:
+            sense = int(math.copysign(abs(slip) > LEAST_SLIP, slip))
+        ratio = -pair.friction * sense
         if mechanism.single_link:
             lever = cross(touch.arm, touch.normal)
             along = cross(touch.arm, touch.tangent)
-            inertia = mechanism.links[0].inertia_about_joint
-            normal = lever * lever / inertia
-            coupling = lever * along / inertia
+            change = lever * (lever + ratio * along) / mechanism.links[0].inertia_about_joint
         else:
             turn = np.exp(1j * np.array(state.angles))
-            rows = np.concatenate(contact_rows(mechanism, turn, [self.closed[index]], [touch]))
-            normal, coupling = (
-                rows @ np.linalg.solve(mechanism.mass_matrix(turn), rows[0])
-            ).tolist()
+            (normal,), (tangent,) = contact_rows(mechanism, turn, [pair], [touch])
+            mass = mechanism.mass_matrix(turn)
+            change = float(normal @ np.linalg.solve(mass, normal + ratio * tangent))
         free = 0.0
         for number, arm in ((pair.link, touch.arm), (pair.partner, touch.partner_arm)):
             if number is not None and arm is not None:
@@ -147,20 +147,49 @@ class RigidContacts:
                 pose = poses[number]
                 lever = cross(pose.joint + arm - pose.centre, touch.normal)
                 free += 1.0 / link.mass + lever**2 / link.inertia
-        return (normal - pair.friction * (sense or 0) * coupling) / free
+        return change / free
 
-    def _next_piece(self, pair: ContactPair, state: State) -> int:
-        """Return the index of the straight segment of a link that touches an instant later.
+    def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
+        """Set the sense of slip that friction opposes in a new contact.
 
-        At a corner two segments touch; the instant decides between them.
+        If the slip velocity is smaller than its error, its sense is unknown. A contact of several
+        links then sticks until friction no longer suffices. A single link slips in the direction of
+        its contact point's acceleration; if the acceleration is zero too, the link is at rest.
+
+        Args:
+            state: the state at the touch.
+            contact: the contact, which must be closed already.
+            error: error of a velocity, in scene units.
         """
-        if pair.partner is None and len(self.scene.mechanism.links[pair.link].corners) == 2:
-            return 0
-        angles = tuple(
-            angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True)
+        single_link = self.scene.mechanism.single_link
+        slip = self._slip_velocity(contact, state)
+        least = max(LEAST_SLIP, error)
+        if abs(slip) <= least and single_link:
+            slip = self.slip_acceleration(contact, state)
+            least = LEAST_ACCELERATION
+        if abs(slip) > least:
+            contact.slip = int(math.copysign(1.0, slip))
+        elif not single_link:
+            contact.slip = 0
+
+    def slip_acceleration(self, contact: ClosedPair, state: State) -> float:
+        """Return the tangential acceleration of a contact point that stays on its obstacle."""
+        before, after = (
+            self._slip_velocity(contact, self.set_back(each))
+            for each in (state, _a_moment_later(state))
         )
-        later = State(state.time + MOMENT, angles, state.rates)
-        return pair.closest(self.scene.mechanism.poses(later), later.rates).piece
+        return (after - before) / MOMENT
+
+    def _slip_velocity(self, contact: ClosedPair, state: State) -> float:
+        poses = self.scene.mechanism.poses(state)
+        return contact.pair.closest(poses, state.rates).velocity[1]
+
+
+def _a_moment_later(state: State) -> State:
+    """Return the state after the time ``MOMENT`` at constant rates."""
+    moved = zip(state.angles, state.rates, strict=True)
+    angles = tuple([angle + MOMENT * rate for angle, rate in moved])
+    return State(state.time + MOMENT, angles, state.rates)
 
 
 def _means(numbers: Sequence[float]) -> Sequence[float]:
@@ -168,29 +197,3 @@ def _means(numbers: Sequence[float]) -> Sequence[float]:
     return [
         0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)
     ]
-
-
-def sense_of_slip(gaps: Gaps, pair: ContactPair, state: State, error: float) -> int | None:
-    """Return the sense of slip that friction opposes in a new contact.
-
-    If the slip velocity is smaller than its error, its sense is unknown. A contact of several links
-    then sticks until friction no longer suffices. A single link slips in the direction of its
-    contact point's acceleration; if the acceleration is zero too, the link is at rest.
-
-    Args:
-        gaps: gaps of the mechanism.
-        pair: the two bodies in contact.
-        state: the state at the touch.
-        error: error of a velocity, in scene units.
-
-    Returns:
-        1 or -1 in slip, 0 in stick, None for a single link at rest.
-    """
-    slip = gaps.closest(pair, state).velocity[1]
-    least = max(LEAST_SLIP, error)
-    if abs(slip) <= least:
-        if not gaps.mechanism.single_link:
-            return 0
-        slip = slip_acceleration(gaps, pair, state)
-        least = LEAST_ACCELERATION
-    return int(math.copysign(1.0, slip)) if abs(slip) > least else None

@@ -11,6 +11,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.results import contacts_in_si
 from bristle_sim.scene.simulate import prepare, run_by_intervals
+from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 from bristle_sim.scene.tool import Units
 from bristle_sim.settings import Settings, StopReason
@@ -132,10 +133,9 @@ def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:
 
 def contact_state(contact: ActiveContact, units: Units) -> ContactState:
     """Return the state of a contact in SI units, with its last computed forces."""
-    spring = contact.spring
-    if spring is not None:
-        phase = "at rest" if spring.at_rest else "loading" if spring.loading else "unloading"
-        mode = f"{phase}, {SLIDING[spring.slip]}"
+    if isinstance(contact, SpringContact):
+        phase = "at rest" if contact.at_rest else "loading" if contact.loading else "unloading"
+        mode = f"{phase}, {SLIDING[contact.slip]}"
     elif contact.slip is None:
         mode = "at rest" if contact.pair.friction else "frictionless"
     else:

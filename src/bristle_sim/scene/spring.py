@@ -13,19 +13,21 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State, Vector, xy
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
-from bristle_sim.trajectory import ContactHistory
+from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 LEAST_PHASE = 1e-6
 """Least normal impulse of a phase that the record names, over the normal impulse of the contact.
@@ -70,67 +72,15 @@ class SpringPhase(NamedTuple):
     impulse: float
 
 
-@dataclass(slots=True)
-class ContactCourse:
-    """The record of one contact while it lasts.
-
-    Attributes:
-        phases: the phases so far.
-        rows: the samples: time, normal and tangential force, penetration, normal and tangential
-            velocity. Two samples at one time are the end of a phase and the start of the next.
-        compression: impulse and work up to the end of compression; None until compression ends.
-        stopped: state, impulse, work, number of samples and number of phases at the instant at
-            which the rigid-body law jams; None if that instant is not reached.
-    """
-
-    phases: list[SpringPhase] = field(default_factory=list)
-    rows: list[tuple[float, ...]] = field(default_factory=list)
-    compression: tuple[Vector, Vector] | None = None
-    stopped: tuple[State, Vector, Vector, int, int] | None = None
-
-    @property
-    def approach(self) -> float:
-        """Speed of approach at the first touch."""
-        return abs(self.rows[0][4])
-
-    def release(self) -> None:
-        """Set the force of the last sample to zero, because the contact ends there."""
-        time, _, _, *motion = self.rows[-1]
-        self.rows[-1] = (time, 0.0, 0.0, *motion)
-
-    def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
-        """Return the names of the phases in order, without phases too short to matter.
-
-        ``impulse`` is the normal impulse of the whole contact. The last phase of a jam is always
-        named.
-        """
-        ends = [*(phase.impulse for phase in self.phases[1:]), impulse]
-        names: list[str] = []
-        first = 0
-        for phase, end in zip(self.phases, ends, strict=True):
-            if end - phase.impulse >= LEAST_PHASE * impulse or (jams and phase is self.phases[-1]):
-                first = first or phase.slip
-                motion = (
-                    "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
-                )
-                names.append(f"{'compression' if phase.loading else 'restitution'} {motion}")
-        return tuple(name for name, _ in itertools.groupby(names))
-
-    def history(self) -> ContactHistory:
-        """Return the samples as a contact history."""
-        return ContactHistory(*np.ascontiguousarray(np.array(self.rows).T))
-
-
-@dataclass(slots=True, eq=False)
-class Spring:
-    """The springs of one contact and their present phase.
+@dataclass(slots=True, eq=False, kw_only=True)
+class SpringContact(ActiveContact):
+    """A contact with springs, which is simulated over its duration, and its present phase.
 
     A normal spring with energetic restitution acts with Coulomb friction, and with a tangential
     spring if the contact is compliant along the surface.
 
     Attributes:
         law: force law of the springs, in engine units.
-        pair: the two bodies in contact.
         duration: predicted duration of the contact.
         predicted: outcome that the impact law predicts.
         finite_duration: whether the user has given the duration, so that the bodies move noticeably
@@ -147,24 +97,92 @@ class Spring:
         pressed_on: whether the spring is being loaded again, from rest at its deepest point.
         stick_force: tangential force in stick, or in slip at rest, at the last state.
         foot: position along the surface at which the tangential spring is attached.
-        course: record of the contact.
+        phases: the phases so far.
+        rows: the samples: time, normal and tangential force, penetration, normal and tangential
+            velocity. Two samples at one time are the end of a phase and the start of the next.
+        compression: impulse and work up to the end of compression; None until compression ends.
+        stopped_at: state, impulse, work, number of samples and number of phases at the instant at
+            which the rigid-body law jams; None if that instant is not reached.
     """
 
-    law: ContactSpring
     pair: WorkpartPair
+    law: ContactSpring
     duration: float
     predicted: str
     finite_duration: bool
     stepper: Extrapolation
     surface: float
     inverse_mass: Array
+    start: State
     deepest: float | None = None
     slip: int = 0
     at_rest: bool = False
     pressed_on: bool = False
     stick_force: float = 0.0
     foot: float = 0.0
-    course: ContactCourse = field(default_factory=ContactCourse)
+    phases: list[SpringPhase] = field(default_factory=list)
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    compression: tuple[Vector, Vector] | None = None
+    stopped_at: tuple[State, Vector, Vector, int, int] | None = None
+
+    def penetration(self, gaps: Gaps, state: State) -> float:
+        """Return the penetration in a state."""
+        return self.surface - gaps.gap(self.pair, state)
+
+    def sample(self, gaps: Gaps, state: State) -> float:
+        """Record a sample of forces and motion at a state; return the normal force."""
+        touch = gaps.closest(self.pair, state)
+        penetration = self.surface - touch.gap
+        self.force, self.tangential = self.forces(penetration)
+        motion = (penetration, *touch.velocity)
+        self.rows.append((state.time, self.force, self.tangential, *motion))
+        return self.force
+
+    def begin_phase(self) -> None:
+        """Record that a phase begins."""
+        self.phases.append(SpringPhase(self.loading, self.slip, self.impulse[0]))
+
+    def unload(self, penetration: float) -> None:
+        """Begin the unloading of the normal spring at a penetration."""
+        self.compression = (self.impulse, self.work)
+        self.deepest = penetration
+
+    def phase_names(self, *, jams: bool) -> tuple[str, ...]:
+        """Return the names of the phases in order, without phases too short to matter.
+
+        The last phase of a jam is always named.
+        """
+        ends = [*(phase.impulse for phase in self.phases[1:]), self.impulse[0]]
+        names: list[str] = []
+        first = 0
+        for phase, end in zip(self.phases, ends, strict=True):
+            long = end - phase.impulse >= LEAST_PHASE * self.impulse[0]
+            if long or (jams and phase is self.phases[-1]):
+                first = first or phase.slip
+                motion = "reverse slip" if phase.slip == -first else "slip"
+                loading = "compression" if phase.loading else "restitution"
+                names.append(f"{loading} {motion if phase.slip else 'stick'}")
+        return tuple(name for name, _ in itertools.groupby(names))
+
+    def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
+        """Return the contact record with its phases and history; None for a contact of zero
+        duration.
+        """
+        sustained = ActiveContact.record(self, gaps, last, outcome)
+        if sustained is None:
+            return None
+        impulse, work = self.compression or (self.impulse, self.work)
+        return replace(
+            sustained,
+            law="compliant",
+            compressive_impulse=impulse,
+            compressive_work=work,
+            restitutive_work=(self.work[0] - work[0], self.work[1] - work[1]),
+            velocity_before=gaps.closest(self.pair, self.start).velocity,
+            velocity_after=gaps.closest(self.pair, last).velocity,
+            phases=self.phase_names(jams=outcome == Outcome.JAM),
+            history=ContactHistory(*np.ascontiguousarray(np.array(self.rows).T)),
+        )
 
     @property
     def loading(self) -> bool:
@@ -270,10 +288,10 @@ class SpringForce:
 
     Attributes:
         totals: function that returns the contact's forces, impulses and work, in the order of
-            ``Sums``. In slip the tangential forces in this list are 0.
+            ``Sums``.
     """
 
-    def __init__(self, scene: Scene, spring: Spring) -> None:
+    def __init__(self, scene: Scene, spring: SpringContact) -> None:
         pair = spring.pair
         body = scene.links[pair.link]
         link = scene.mechanism.links[pair.link]
@@ -306,41 +324,38 @@ class SpringForce:
         elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
             ratio = -coupling / tangential
             stop = 1.0 / (tangential * step)
-        pushes = rubs = loss = heat = 0.0
-        in_stick: list[float] = []
+        pushes = loss = heat = 0.0
+        rubs: list[float] = []
+
+        def friction(normal: float, x: float, u: float, v: float) -> float:
+            """Return the tangential force at the place x and the velocity (u, v)."""
+            return ratio * normal - stop * (v if at_rest else u) - rigidity * (x - foot)
 
         def act() -> None:
             """Apply the force of this step, and add its impulse and work to the totals."""
-            nonlocal pushes, rubs, loss, heat
+            nonlocal pushes, loss, heat
             place = place_of()
             velocity = velocity_of()
             x = place.x
             y = place.y
-            slip = velocity.x
+            u = velocity.x
+            v = velocity.y
             normal = stiffness * (height - y)
-            along = (
-                ratio * normal - stop * (velocity.y if at_rest else slip) - rigidity * (x - foot)
-            )
+            along = friction(normal, x, u, v)
             push((along, normal), (x, y))
             pushes += normal
-            rubs += along
-            loss += normal * velocity.y
-            heat += along * slip
-            if stop:
-                in_stick.append(along)
+            loss += normal * v
+            heat += along * u
+            rubs.append(along)
 
         def read() -> list[float]:
             """Return the contact's forces, impulses and work, in the order of ``Sums``."""
-            first = last = 0.0
-            if rigidity:
-                last = -rigidity * (place_of().x - foot)
-            elif stop:
-                left = velocity_of()
-                last = ratio * stiffness * (height - place_of().y) - stop * (
-                    left.y if at_rest else left.x
-                )
-                first = in_stick[1] if len(in_stick) > 1 else last
-            return [0.0, last, step * pushes, step * rubs, step * loss, step * heat, first]
+            place = place_of()
+            velocity = velocity_of()
+            normal = stiffness * (height - place.y)
+            along = friction(normal, place.x, velocity.x, velocity.y)
+            impulse = (step * pushes, step * sum(rubs))
+            return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
 
         self.totals = read
         return act

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 
-from bristle_sim.scene.compliant import ContactLoad, follow_bodies
-from bristle_sim.scene.contact import ActiveContact, Outcome, Sums, sums_of
+from bristle_sim.scene.compliant import CompliantLaw, ContactLoad, follow_bodies
+from bristle_sim.scene.contact import Outcome, Sums, sums_of
 from bristle_sim.scene.events import Kind
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.spring import Spring, SpringPhase
+from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = 1e-5
@@ -36,15 +36,23 @@ as within rounding error."""
 
 
 def begin_spring(
-    system: System, motion: Motion, pair: ContactPair, spring: Spring
-) -> ActiveContact:
-    """Return a new contact with a spring, which begins at the present state."""
-    contact = ActiveContact(pair, spring, system.state)
-    look_up_slip(system, motion, contact, spring)
-    return contact
+    system: System, motion: Motion, pair: ContactPair, press: float = 0.0
+) -> SpringContact | None:
+    """Return a new contact with a spring that begins at the present state; None if the touch is an
+    impact.
+
+    ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
+    """
+    law = system.law_of(pair)
+    if not isinstance(law, CompliantLaw):
+        return None
+    spring = law.spring(system.scene, system.state, pair, press)
+    if spring is not None:
+        look_up_slip(system, motion, spring)
+    return spring
 
 
-def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveContact | None:
+def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringContact | None:
     """Return a new contact of a single link's tip that the last contact has left at rest on the
     surface; None if no force presses the tip against it.
 
@@ -57,28 +65,21 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> ActiveConta
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state
     press = (system.approach(pair) - system.gaps.closest(pair, ahead).velocity[0]) / instant
-    spring = (
-        system.law_of(pair).spring(system.scene, system.state, pair, press) if press > 0.0 else None
-    )
-    return None if spring is None else begin_spring(system, motion, pair, spring)
+    return begin_spring(system, motion, pair, press) if press > 0.0 else None
 
 
-def look_up_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
+def look_up_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     """Let the contact point slip in the sense of its velocity, or stick; record the new phase."""
-    slip = system.gaps.closest(contact.pair, system.state).velocity[1]
-    if abs(slip) > _slip_error(system, contact) and not spring.elastic:
+    slip = system.gaps.closest(spring.pair, system.state).velocity[1]
+    if abs(slip) > system.slip_error(spring.start) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
     else:
-        _settle_slip(system, motion, contact, spring)
-    _note_phase(contact, spring)
-
-
-def _note_phase(contact: ActiveContact, spring: Spring) -> None:
-    spring.course.phases.append(SpringPhase(spring.loading, spring.slip, contact.impulse[0]))
+        _settle_slip(system, motion, spring)
+    spring.begin_phase()
 
 
 def change_spring(
-    system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
+    system: System, motion: Motion, spring: SpringContact, kind: Kind
 ) -> Outcome | None:
     """Change a contact to its next phase after an event.
 
@@ -86,51 +87,48 @@ def change_spring(
         The contact's outcome, or None if the contact goes on.
     """
     before = (spring.loading, spring.slip)
-    penetration = _penetration(system, contact, spring)
+    penetration = spring.penetration(system.gaps, system.state)
     if spring.elastic:
         spring.stick_force = spring.forces(penetration)[1]
-    outcome = _change(system, motion, contact, spring, kind)
+    outcome = _change(system, motion, spring, kind)
+    if outcome is not None:
+        return outcome
     # Vibrating bodies may press the contact point on again.
     quiet = not spring.loading and (system.mechanism.single_link or system.follows_law(spring))
     least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
-    if outcome is None and quiet and penetration - spring.residual < least:
+    if quiet and penetration - spring.residual < least:
         return Outcome.REBOUND
-    if outcome is not None or before == (spring.loading, spring.slip):
-        return outcome
-    _note_phase(contact, spring)
+    if before == (spring.loading, spring.slip):
+        return None
+    spring.begin_phase()
     jams = spring.predicted == Outcome.JAM
-    if jams and spring.loading and not spring.slip and not spring.elastic:
+    if jams and spring.loading and not (spring.slip or spring.elastic or spring.stopped_at):
         if not spring.finite_duration:
             return Outcome.JAM
-        if spring.course.stopped is None:
-            # The bodies move during the contact and may still leave it.
-            spring.course.stopped = (
-                system.state,
-                contact.impulse,
-                contact.work,
-                len(spring.course.rows),
-                len(spring.course.phases),
-            )
+        # The bodies move during the contact and may still leave it.
+        counts = (len(spring.rows), len(spring.phases))
+        spring.stopped_at = (system.state, spring.impulse, spring.work, *counts)
     return None
 
 
-def _change(
-    system: System, motion: Motion, contact: ActiveContact, spring: Spring, kind: Kind
-) -> Outcome | None:
+def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -> Outcome | None:
     """Apply an event to a contact; return the contact's outcome, or None if the contact goes on."""
-    course = spring.course
+    penetration = spring.penetration(system.gaps, system.state)
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
-        _leave_rest(system, contact, spring)
+        # The force of a tangential spring begins its next oscillation at the friction of compression.
+        spring.at_rest = False
+        spring.deepest = penetration
+        spring.stick_force = -spring.slip * spring.law.friction * spring.law.stiffness * penetration
     match kind:
         case Kind.COMPRESSION_ENDS | Kind.RELOADING_ENDS:
-            return _end_compression(system, motion, contact, spring)
+            return _end_compression(system, motion, spring)
         case Kind.UNLOADED:
             return Outcome.REBOUND
         case Kind.OVERDUE:
-            if course.stopped is not None:
-                system.state, contact.impulse, contact.work, rows, phases = course.stopped
-                del course.rows[rows:], course.phases[phases:]
-                course.compression = None
+            if spring.stopped_at is not None:
+                system.state, spring.impulse, spring.work, rows, phases = spring.stopped_at
+                del spring.rows[rows:], spring.phases[phases:]
+                spring.compression = None
             stuck = spring.predicted in (Outcome.JAM, Outcome.STICTION)
             return Outcome(spring.predicted) if stuck else Outcome.NO_REBOUND
         case Kind.PRESSED_ON:
@@ -138,47 +136,43 @@ def _change(
             spring.at_rest = False
             spring.deepest = None
             if spring.elastic or not spring.slip:
-                _settle_slip(system, motion, contact, spring)
+                _settle_slip(system, motion, spring)
         case Kind.CONE_REACHED:
             spring.slip = -1 if spring.stick_force > 0.0 else 1
         case Kind.FOOT_STOPS:
-            stopped = False
+            sense = spring.slip
+            _settle_slip(system, motion, spring)
             if spring.elastic:
-                sense = spring.slip
-                _settle_foot(system, motion, contact, spring)
                 # The foot's velocity falls through zero: the force turns back from the cone's edge.
                 # Without friction the point swings.
                 spring.slip = 0 if spring.friction else -sense
-            else:
-                _settle_slip(system, motion, contact, spring)
-                stopped = not spring.slip and _ends_in_stiction(system, spring)
+            stopped = not (spring.elastic or spring.slip) and _ends_in_stiction(system, spring)
             # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
-            together = -system.approach(contact.pair) <= STOPS_TOGETHER * course.approach
+            at_touch = -system.gaps.closest(spring.pair, spring.start).velocity[0]
+            together = -system.approach(spring.pair) <= STOPS_TOGETHER * at_touch
             if spring.loading and (stopped or together):
-                return _end_compression(system, motion, contact, spring)
+                return _end_compression(system, motion, spring)
     return None
 
 
-def _end_compression(
-    system: System, motion: Motion, contact: ActiveContact, spring: Spring
-) -> Outcome | None:
+def _end_compression(system: System, motion: Motion, spring: SpringContact) -> Outcome | None:
     """Begin unloading, and decide whether slip that has stopped starts again; return the contact's
     outcome, or None if the contact goes on.
 
     A contact without restitution ends here.
     """
-    unload(system, contact, spring)
+    spring.unload(spring.penetration(system.gaps, system.state))
     if spring.law.restitution == 0.0:
         return Outcome.NO_REBOUND
     if _ends_in_stiction(system, spring):
         return Outcome.STICTION
-    spring.at_rest = _slips_at_rest(system, motion, contact, spring)
+    spring.at_rest = _slips_at_rest(system, motion, spring)
     if not spring.at_rest and (spring.elastic or not spring.slip):
-        _settle_slip(system, motion, contact, spring)
+        _settle_slip(system, motion, spring)
     return None
 
 
-def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> bool:
+def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> bool:
     """Return whether the contact point goes on slipping at the deepest point while friction holds
     its normal velocity at zero.
 
@@ -193,77 +187,49 @@ def _slips_at_rest(system: System, motion: Motion, contact: ActiveContact, sprin
     law = spring.law
     if (law.restitution_friction - law.friction) * spring.slip * coupling <= 0.0:
         return False
-    slip = system.gaps.closest(contact.pair, system.state).velocity[1]
+    slip = system.gaps.closest(spring.pair, system.state).velocity[1]
     if spring.slip * slip <= spring.least_slip_at_rest:
         return False
     before = spring.stick_force
     spring.at_rest = True
     follow_bodies(system.scene, system.state, spring)
-    mean = _probe(system, motion, contact, spring)[1].tangential_at_start
+    mean = _probe(system, motion, spring)[1].tangential_at_start
     holds = min(spring.rest_margins(spring.deepest or 0.0, mean)) > 0.0
     spring.stick_force = mean if holds else before
     return holds
 
 
-def _leave_rest(system: System, contact: ActiveContact, spring: Spring) -> None:
-    """End slip at rest and begin unloading.
-
-    The force of a tangential spring begins its next oscillation at the friction of compression.
-    """
-    spring.at_rest = False
-    spring.deepest = _penetration(system, contact, spring)
-    spring.stick_force = -spring.slip * spring.law.friction * spring.law.stiffness * spring.deepest
-
-
-def unload(system: System, contact: ActiveContact, spring: Spring) -> None:
-    """Begin the unloading of a spring at the present penetration."""
-    spring.course.compression = (contact.impulse, contact.work)
-    spring.deepest = _penetration(system, contact, spring)
-
-
-def _penetration(system: System, contact: ActiveContact, spring: Spring) -> float:
-    return spring.surface - system.gaps.gap(contact.pair, system.state)
-
-
-def _ends_in_stiction(system: System, spring: Spring) -> bool:
+def _ends_in_stiction(system: System, spring: SpringContact) -> bool:
     """Return whether the impact law applies to a contact and predicts stiction."""
     return system.follows_law(spring) and spring.predicted == Outcome.STICTION
 
 
-def _slip_error(system: System, contact: ActiveContact) -> float:
-    """Return the error of a slip velocity, estimated from the speeds at the first touch.
-
-    The present speeds do not serve, because a single rod is at rest where slip stops.
-    """
-    return system.slip_error(contact.start or system.state)
-
-
-def _settle_slip(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
+def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     """Decide whether the contact point sticks where slip has stopped.
 
     It sticks if friction suffices, and otherwise slips in the sense in which it is driven.
     """
     if spring.elastic:
-        _settle_foot(system, motion, contact, spring)
+        _settle_foot(system, motion, spring)
         return
     spring.slip = 0
     follow_bodies(system.scene, system.state, spring)
-    probe, sums = _probe(system, motion, contact, spring)
+    probe, sums = _probe(system, motion, spring)
     spring.stick_force = force = sums.tangential_at_start
-    penetration = _penetration(system, contact, spring)
-    if spring.loading and not contact.impulse[0]:
+    penetration = spring.penetration(system.gaps, system.state)
+    if spring.loading and not spring.impulse[0]:
         # Both forces are zero at the first touch.
         force = sums.tangential
-        penetration = spring.surface - system.gaps.gap(contact.pair, probe.state)
+        penetration = spring.penetration(system.gaps, probe.state)
     limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
     if not spring.compliance_in_stick:  # the probe is free of friction
-        slip = system.gaps.closest(contact.pair, probe.state).velocity[1]
+        slip = system.gaps.closest(spring.pair, probe.state).velocity[1]
         spring.slip = int(math.copysign(1.0, slip)) if slip else 0
     elif spring.spare_friction(penetration, force) < -limit:
         spring.slip = -1 if force > 0.0 else 1
 
 
-def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring: Spring) -> None:
+def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
     """Decide whether the attachment ("foot") of the tangential spring slides along the surface.
 
     The foot slides if the spring's force is on the edge of the friction cone and would leave the
@@ -272,33 +238,30 @@ def _settle_foot(system: System, motion: Motion, contact: ActiveContact, spring:
     forces, with this contact's force on the cone's edge, then shows the sense in which the velocity
     grows.
     """
-    pair = contact.pair
     gaps = system.gaps
+    pair = spring.pair
     touch = gaps.closest(pair, system.state)
     at_edge = spring.set_foot(spring.surface - touch.gap, gaps.along(pair, system.state))
     force = spring.stick_force
     smooth = not spring.friction
-    spring.slip = int(
-        -math.copysign(1.0, force) if force else math.copysign(1.0, touch.velocity[1])
-    )
+    driven = -force or touch.velocity[1]
+    spring.slip = int(math.copysign(1.0, driven))
     speed = spring.slip * spring.foot_speed(touch.velocity)
-    if at_edge and not smooth and abs(speed) <= _slip_error(system, contact):
-        probe, _ = _probe(system, motion, contact, spring)
+    if at_edge and not smooth and abs(speed) <= system.slip_error(spring.start):
+        probe, _ = _probe(system, motion, spring)
         later = gaps.closest(pair, probe.state)
         speed = spring.slip * spring.foot_speed(later.velocity) - speed
     if not (smooth or (at_edge and speed > 0.0)):
         spring.slip = 0
 
 
-def _probe(
-    system: System, motion: Motion, contact: ActiveContact, spring: Spring
-) -> tuple[IntervalResult, Sums]:
+def _probe(system: System, motion: Motion, spring: SpringContact) -> tuple[IntervalResult, Sums]:
     """Integrate over a short part of a contact in its present phase.
 
     Returns:
         The result of the interval, and the contact's forces, impulses and work in it.
     """
-    others = [other for known, other in motion.springs if known is not contact]
+    others = [other for other in motion.springs if other is not spring]
     load = ContactLoad(system.scene, motion.rigid, [spring, *others])
     # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
     normal, coupling = spring.inverse_mass[0].tolist()

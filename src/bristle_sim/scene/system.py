@@ -15,7 +15,7 @@ from bristle_sim.scene.gaps import AT_JOINT, GAP_ROUNDING, Gaps
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair
-from bristle_sim.scene.spring import Spring
+from bristle_sim.scene.spring import SpringContact
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
@@ -173,7 +173,7 @@ class System:
         """Return the impact law of a pair."""
         return self.law if isinstance(pair, WorkpartPair) else ENERGETIC
 
-    def follows_law(self, spring: Spring) -> bool:
+    def follows_law(self, spring: SpringContact) -> bool:
         """Return whether a contact with a spring ends as the impact law predicts.
 
         It does so in the rigid-body limit, and in the study of a single contact of rigid links. In
