@@ -17,8 +17,9 @@ import io
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,6 +51,13 @@ MEASURED_SPHERES = {
         (39.535, 32.613), (49.747, 45.125), (60.208, 57.474),
     ]),
 }  # fmt: skip
+SPHERE_ERRORS = {
+    "restitution_error": "1",
+    "spin_error": "rad/s",
+    "rebound_angle_error_deg": "deg",
+}
+"""Names and units of the errors of the predicted values, in the order of MEASURED_SPHERES."""
+
 # Mass (kg), half axes (m) and radius of gyration (m) of the ellipse, by the data set's description
 MASS = 0.0364
 HALF_AXES = (0.035, 0.025)
@@ -59,8 +67,7 @@ INERTIA = np.array([MASS, MASS, MASS * GYRATION**2])
 Law = Callable[..., Impact]
 
 
-@dataclass(frozen=True, slots=True)
-class Ellipse:
+class Ellipse(NamedTuple):
     """Measured impacts of the ellipse on the floor.
 
     Attributes:
@@ -77,34 +84,31 @@ class Ellipse:
     @property
     def inverse_mass(self) -> Array:
         """Inverse mass matrix K at the contact of each impact, 1/kg, shape (n, 2, 2)."""
-        return np.asarray(np.einsum("kij,klj->kil", self.jacobian, self.jacobian / INERTIA))
+        return np.asarray((self.jacobian / INERTIA) @ self.jacobian.swapaxes(1, 2))
 
-    def every_second(self, first: int) -> Ellipse:
-        """Return every second impact, beginning with the impact of index ``first``."""
-        return Ellipse(self.before[first::2], self.after[first::2], self.jacobian[first::2])
+    def at_contact(self, velocity: Array) -> Array:
+        """Return (normal, tangential) velocities of the contact point, m/s, shape (n, 2)."""
+        return np.asarray((self.jacobian @ velocity[..., np.newaxis])[..., 0])
 
-    def predicted(
-        self, law: Law, friction: float, restitution: float, **compliance: float
-    ) -> Array:
+    def predicted(self, law: Law, friction: float, restitution: float) -> Array:
         """Return the impulses that a contact law predicts from the measured velocities before the
         impacts.
 
         They are (normal, tangential), N s, shape (n, 2).
         """
-        approach = np.einsum("kij,kj->ki", self.jacobian, self.before)
-        hit = law(self.inverse_mass, approach, friction, restitution, **compliance)
+        approach = self.at_contact(self.before)
+        hit = law(self.inverse_mass, approach, friction, restitution)
         return np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
 
-    def misfit(self, impulse: Array) -> Array:
-        """Return the relative error of the velocities after each impact that an impulse, N s, shape
-        (n, 2), predicts.
+    def misfit(self, impulse: Array) -> float:
+        """Return the mean relative error of the velocities after the impacts that impulses, N s,
+        shape (n, 2), predict.
 
         It is |v predicted - v measured|/|v measured| in the norm of the kinetic energy.
         """
-        missed = (
-            self.before + np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA - self.after
-        )
-        return np.asarray(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)))
+        change = np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA
+        missed = self.before + change - self.after
+        return float(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)).mean())
 
     def best_impulse(self) -> Array:
         """Return the impulse at the contact point whose predicted velocities after each impact are
@@ -113,8 +117,8 @@ class Ellipse:
         The distance is measured in the norm of the kinetic energy. The impulses are (normal,
         tangential), N s, shape (n, 2).
         """
-        change = np.einsum("kij,kj->ki", self.jacobian, self.after - self.before)
-        return np.linalg.solve(self.inverse_mass, change[..., None])[..., 0]
+        change = self.at_contact(self.after - self.before)
+        return np.asarray(np.linalg.solve(self.inverse_mass, change[..., np.newaxis])[..., 0])
 
 
 def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
@@ -141,11 +145,11 @@ def spheres(compliance: float) -> dict[str, float]:
     """Return the root mean square error of the predicted rebound for each measured quantity of the
     spheres.
     """
-    missed = {
-        name: sphere_rebound(at[:, 0], compliance)[name] - at[:, 1]
-        for name, at in MEASURED_SPHERES.items()
-    }
-    return {name: float(np.sqrt(np.mean(each**2))) for name, each in missed.items()}
+    found = {}
+    for name, at in MEASURED_SPHERES.items():
+        missed = sphere_rebound(at[:, 0], compliance)[name] - at[:, 1]
+        found[name] = float(np.sqrt(np.mean(missed**2)))
+    return found
 
 
 # Longest time to read a file, s. Usually it takes 1 s, on a busy machine less than 10 s.
@@ -194,16 +198,15 @@ def read_ellipse(path: str) -> Ellipse:
     if len(states) < 4 or not np.all(np.isfinite(states)):
         raise ValueError(f"data = {path}: must hold at least four impacts of finite numbers")
     sine, cosine = np.sin(states[:, 2]), np.cos(states[:, 2])
-    long, short = (each**2 for each in HALF_AXES)
+    long, short = np.square(HALF_AXES)
     height = np.sqrt(long * sine**2 + short * cosine**2)
     ahead = (long - short) * sine * cosine / height
-    jacobian = np.zeros((len(states), 2, 3))
-    jacobian[:, 0, 1] = jacobian[:, 1, 0] = 1.0
-    jacobian[:, 0, 2], jacobian[:, 1, 2] = -ahead, -height
-    return Ellipse(states[:, 3:6], states[:, 9:12], jacobian)
+    zero = 0.0 * height
+    rows = [[zero, zero + 1.0, -ahead], [zero + 1.0, zero, -height]]
+    return Ellipse(states[:, 3:6], states[:, 9:12], np.moveaxis(np.array(rows), -1, 0))
 
 
-def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]:
+def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
     """Return the friction mu and the restitution e* with which a contact law has the least mean
     misfit to measured impacts.
 
@@ -211,15 +214,16 @@ def fitted(law: Law, train: Ellipse, **compliance: float) -> tuple[float, float]
     """
     from scipy.optimize import minimize
 
-    def mean(at: Array) -> float:
-        return float(train.misfit(train.predicted(law, *bounded(at), **compliance)).mean())
+    def misfit(at: Array) -> float:
+        return train.misfit(train.predicted(law, *bounded(at)))
 
     def bounded(at: Array) -> tuple[float, float]:
         return float(abs(at[0])), float(np.clip(at[1], 0.0, 1.0))
 
     starts = [np.array([mu, e]) for mu in (0.05, 0.15, 0.25, 0.4) for e in (0.3, 0.5, 0.7)]
     options = {"xatol": 1e-4, "fatol": 1e-7}
-    return bounded(minimize(mean, min(starts, key=mean), method="Nelder-Mead", options=options).x)
+    start = min(starts, key=misfit)
+    return bounded(minimize(misfit, start, method="Nelder-Mead", options=options).x)
 
 
 def measured_impacts(measured: Measured) -> Report:
@@ -227,22 +231,21 @@ def measured_impacts(measured: Measured) -> Report:
     errors.
     """
     squared = measured.tangential_compliance
-    names = ("restitution_error", "spin_error", "rebound_angle_error_deg")
-    units = ("1", "rad/s", "deg")
-    errors = list(spheres(squared).values())
-    rigid = list(spheres(0.0).values())
+    errors = spheres(squared)
+    rigid = spheres(0.0)
     quantities = [
-        *map(Quantity, names, units, errors),
-        *map(Quantity, (f"rigid_{name}" for name in names), units, rigid),
+        Quantity(f"{prefix}{name}", unit, value)
+        for prefix, found in (("", errors), ("rigid_", rigid))
+        for (name, unit), value in zip(SPHERE_ERRORS.items(), found.values(), strict=True)
     ]
     form = "the velocity ratio by {:.3f}, the spin by {:.0f} rad/s and the rebound angle by {:.2f}°"
     answer = (
-        f"For measured spheres on glass the law with a tangential compliance eta^2 = {squared:.4g} misses {form.format(*errors)};"
-        f" without it, it misses {form.format(*rigid)}."
+        f"For measured spheres on glass the law with a tangential compliance eta^2 = {squared:.4g} misses {form.format(*errors.values())};"
+        f" without it, it misses {form.format(*rigid.values())}."
     )
     remarks = list[str]()
     if measured.data is not None:
-        values = _ellipse_values(read_ellipse(measured.data), squared)
+        values = ellipse_errors(read_ellipse(measured.data), squared)
         quantities += [Quantity(name, "1", value) for name, value in values.items()]
         remarks.append(
             "The arms are those of the ellipse at its angle, which runs clockwise; the tangential Jacobian's last entry then has"
@@ -257,23 +260,21 @@ def measured_impacts(measured: Measured) -> Report:
     )
 
 
-def _ellipse_values(ellipse: Ellipse, compliance: float) -> dict[str, float]:
+def ellipse_errors(ellipse: Ellipse, compliance: float) -> dict[str, float]:
     """Return the friction and restitution that are fitted to every second impact, and each law's
     mean error on the other impacts.
     """
-    train, test = ellipse.every_second(0), ellipse.every_second(1)
-    laws: dict[str, tuple[Law, dict[str, float]]] = {
-        "energetic": (energetic_impact, {}),
-        "poisson": (poisson_impact, {}),
-        "newton": (newton_impact, {}),
-        "compliant": (energetic_impact, {"tangential_compliance": compliance}),
+    train, test = (Ellipse(*(each[first::2] for each in ellipse)) for first in (0, 1))
+    laws: dict[str, Law] = {
+        "energetic": energetic_impact,
+        "poisson": poisson_impact,
+        "newton": newton_impact,
+        "compliant": partial(energetic_impact, tangential_compliance=compliance),
     }
+    fits = {name: fitted(law, train) for name, law in laws.items()}
     values = {"impacts": float(len(ellipse.before))}
-    fits = dict[str, tuple[float, float]]()
-    for name, (law, elastic) in laws.items():
-        fits[name] = fitted(law, train, **elastic)
-        impulse = test.predicted(law, *fits[name], **elastic)
-        values[f"{name}_error"] = float(test.misfit(impulse).mean())
-    values["best_impulse_error"] = float(test.misfit(test.best_impulse()).mean())
+    for name, law in laws.items():
+        values[f"{name}_error"] = test.misfit(test.predicted(law, *fits[name]))
+    values["best_impulse_error"] = test.misfit(test.best_impulse())
     values["friction"], values["restitution"] = fits["energetic"]
     return values
