@@ -7,7 +7,8 @@ import re
 import sys
 import warnings
 from collections.abc import Sequence
-from pathlib import Path
+from contextlib import suppress
+from importlib import import_module
 
 from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
@@ -43,7 +44,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     name = first.removesuffix(".py")
     known = script_paths()
     if "_ARGCOMPLETE" in os.environ:
-        _complete(known)
+        with suppress(ImportError):  # without the package argcomplete nothing is completed
+            from bristle_sim.cli.completion import complete
+
+            complete(known, COMMANDS)
     try:
         if first == "--version":
             print_line(f"{PROGRAM} {__version__}" + (f" (commit {commit()})" if commit() else ""))
@@ -66,31 +70,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _complete(known: dict[str, Path]) -> None:
-    """Print the possible completions of a partly typed command line, for the shell.
-
-    Without the package argcomplete, print nothing.
-    """
-    try:
-        from bristle_sim.cli.completion import complete
-    except ImportError:
-        return
-    typed = os.environ.get("COMP_LINE", "").split()
-    scenario = next((load_scenario(known[word]) for word in typed[1:2] if word in known), None)
-    complete(scenario, [*known, *COMMANDS])
-
-
 def _command(name: str, given: Sequence[str]) -> int:
     """Run a command that simulates the whole pass, for example ``compare``; return the exit status."""
-    from bristle_sim.cli import compare, design, limits
-    from bristle_sim.cli.explore import entry
-
-    run_command = {
-        "compare": compare.main,
-        "design": design.main,
-        "explore": entry.main,
-        "limits": limits.main,
-    }[name]
+    place = "explore.entry" if name == "explore" else name
+    module = import_module(f"bristle_sim.cli.{place}")
     about = COMMANDS[name].partition(":")[0]
     program = f"{PROGRAM} {name}"
     parser = Parser(prog=program, description=f"{about.capitalize()}.", allow_abbrev=False)
@@ -98,7 +81,8 @@ def _command(name: str, given: Sequence[str]) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("once", UnusualValueWarning)
             warnings.showwarning = lambda text, *_: print_error(f"{program}: warning: {text}")
-            return run_command(main_scenario(), parser, given)
+            status: int = module.main(main_scenario(), parser, given)
+            return status
     except (ValueError, OSError) as error:
         print_error(f"{program}: error: {error}")
         return BAD_INPUT

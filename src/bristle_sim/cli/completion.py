@@ -6,46 +6,43 @@ It needs the package argcomplete, an optional dependency.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 import argcomplete
 
 from bristle_sim.cli.options import parser_of
-from bristle_sim.cli.scenario import Scenario
-from bristle_sim.units import Choice
+from bristle_sim.cli.scripts import load_scenario
 
 
-def complete(scenario: Scenario | None, names: Iterable[str]) -> None:
+def complete(scripts: Mapping[str, Path], commands: Iterable[str]) -> None:
     """Print the possible completions of a partly typed command line for the shell, and exit.
 
+    A parameter that takes a word has one completion of ``--set`` for each word, and cannot be
+    swept.
+
     Args:
-        scenario: the typed scenario; None if no scenario is typed yet.
-        names: the names of all scenarios and commands.
+        scripts: the scripts of all scenarios, by name.
+        commands: the names of all commands.
     """
-    parser = (
-        argparse.ArgumentParser()
-        if scenario is None
-        else parser_of(scenario, scenario.name, sweeping=True)
-    )
-    for action in parser._actions:
-        if scenario is not None and action.dest in ("set", "sweep"):
-            words = dict.fromkeys(_assignments(scenario, sweeping=action.dest == "sweep"), "")
-            action.completer = argcomplete.ChoicesCompleter(words)  # type: ignore[attr-defined]
-    parser.add_argument("scenario", choices=[*names])
-    if scenario is None:
+    typed = os.environ.get("COMP_LINE", "").split()
+    if len(typed) > 1 and typed[1] in scripts:
+        scenario = load_scenario(scripts[typed[1]])
+        parser = parser_of(scenario, scenario.name, sweeping=True)
+        for action in parser._actions:
+            if action.dest in ("set", "sweep"):
+                words = {
+                    f"{key}={option}": ""
+                    for key, (declared, _) in scenario.keys().items()
+                    for option in getattr(declared, "options", ("",))
+                    if not option or action.dest == "set"
+                }
+                action.completer = argcomplete.ChoicesCompleter(words)  # type: ignore[attr-defined]
+        parser.add_argument("scenario", choices=[*scripts, *commands])
+    else:
+        parser = argparse.ArgumentParser()
+        parser.add_argument("scenario", choices=[*scripts, *commands])
         parser.add_argument("tools", nargs="*")  # files of a command
     argcomplete.autocomplete(parser, exit_method=sys.exit)
-
-
-def _assignments(scenario: Scenario, *, sweeping: bool) -> list[str]:
-    """Return completions for ``--set`` or ``--sweep``: each parameter name with ``=``.
-
-    For ``--set``, a parameter that takes a word has one completion for each word. Such a parameter
-    cannot be swept.
-    """
-    found = []
-    for key, (declared, _) in scenario.keys().items():
-        options = declared.options if isinstance(declared, Choice) else ("",)
-        found += [] if sweeping and options != ("",) else [f"{key}={option}" for option in options]
-    return found

@@ -9,10 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, get_type_hints
 
+from bristle_sim.cli.output import format_value
 from bristle_sim.comparison import Report
-from bristle_sim.declared import declared_fields
+from bristle_sim.declared import declarations, declared_fields
 from bristle_sim.parameters import CONTACT_KEYS, PARTS, SHAPE_KEYS, Tool
-from bristle_sim.readable import WIDTH
+from bristle_sim.readable import WIDTH, aligned
 from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
 from bristle_sim.units import Choice, Range, displayed, displayed_range, likely_key, unusual_value
 
@@ -85,10 +86,8 @@ class Scenario:
     @property
     def parts(self) -> tuple[type, ...]:
         """Parameter classes whose declared fields are the scenario's parameters."""
-        found: list[type] = []
-        for kind in self.arguments.values():
-            found += TOOL if kind is Tool else [kind]
-        return tuple(found)
+        kinds = self.arguments.values()
+        return tuple(part for kind in kinds for part in (TOOL if kind is Tool else (kind,)))
 
     def keys(self) -> dict[str, tuple[Declaration, Any]]:
         """Return the declaration and the default value of every parameter, by key.
@@ -128,7 +127,6 @@ class Scenario:
         """
         keys = self.keys()
         typed = dict[str, Any]()
-        values = dict[str, Any]()
         for assignment in assignments:
             key, equals, text = assignment.partition("=")
             if not equals:
@@ -139,16 +137,10 @@ class Scenario:
             typed[key] = keys[key][0].parse(text)
         for key, number in (numbers or {}).items():
             typed[key] = keys[key][0].check(number)
-        for key, (_, default) in keys.items():
-            values[key] = typed.get(key, default)
+        values = {key: default for key, (_, default) in keys.items()} | typed
         for key, (declared, default) in keys.items():
-            other, relation, wanted = declared.needs.split() if declared.needs else ("", "", "")
-            if other not in values:
-                continue
-            held = values[other]
-            if (held is None if wanted == "none" else held == type(held)(wanted)) is (
-                relation == "="
-            ):
+            other, relation, wanted = declared.needs.split() or ("", "", "")
+            if other not in values or (format_value(values[other]) == wanted) is (relation == "="):
                 continue
             if key in typed and (declared.optional or typed[key] != default):
                 words = f"must be left out unless {declared.needs}, or it has no effect"
@@ -161,11 +153,9 @@ class Scenario:
         meant.
         """
         keys = self.keys()
-        found = {}
-        for assignment in assignments:
-            key, _, text = assignment.partition("=")
-            found[key] = unusual_value(*keys[key], values[key], text)
-        return [*filter(None, found.values())]
+        typed = dict(assignment.split("=", 1) for assignment in assignments)
+        found = [unusual_value(*keys[key], values[key], text) for key, text in typed.items()]
+        return [*filter(None, found)]
 
     def assignments_from(
         self, path: str, option: str = "--parameters"
@@ -212,10 +202,8 @@ class Scenario:
 
     def answer(self, values: Values) -> Report:
         """Run the scenario with the given parameter values, and return its report."""
-        arguments = {}
-        for name, kind in self.arguments.items():
-            arguments[name] = build_parameters(kind, values)
-        return self.run(**arguments)
+        built = {name: build_parameters(kind, values) for name, kind in self.arguments.items()}
+        return self.run(**built)
 
     def parameter_rows(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
         """Return declaration, value and default of every parameter, as rows of a table."""
@@ -229,21 +217,23 @@ class Scenario:
         Each parameter has its key, default, unit and range, and below them its meaning and the
         source of the default.
         """
-        rows = [("key", "default", "unit", "range", "meaning (source of the default)")]
+        heads = [["key", "default", "unit"]]
+        texts = [("range", "meaning (source of the default)")]
         for key, (declared, default) in self.keys().items():
             unit = "" if declared.unit == "word" else declared.unit
             if isinstance(declared, Range):
                 unit = declared.display[0]
-            default_shown = displayed(declared, default).removesuffix(f" {unit}")
+            heads.append([key, displayed(declared, default).removesuffix(f" {unit}"), unit])
             only = f"; only with {declared.needs}" if declared.needs else ""
             note = f"{declared.meaning}{only} (default: {declared.source})"
-            rows.append((key, default_shown, unit, displayed_range(declared), note))
-        widths = [max(len(row[column]) for row in rows) for column in range(3)]
+            texts.append((displayed_range(declared), note))
+        columns = aligned(heads, 3)
+        indent = 2 + max(map(len, columns))
         lines = []
-        for *cells, allowed, note in rows:
-            head = "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=True))
+        for head, (allowed, note) in zip(columns, texts, strict=True):
+            first = head.ljust(indent)
             lines += textwrap.wrap(
-                allowed, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)
+                allowed, WIDTH, initial_indent=first, subsequent_indent=" " * indent
             )
             lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
         lines.insert(2, "-" * WIDTH)
@@ -255,10 +245,11 @@ def build_parameters(kind: Any, values: Values) -> Any:
 
     ``kind`` is its class. A parameter without a value has its default.
     """
-    given = {}
-    for name, (declared, _) in declared_fields(kind).items():
-        if declared.key in values:
-            given[name] = values[declared.key]
+    given = {
+        name: values[declared.key]
+        for name, declared in declarations(kind).items()
+        if declared.key in values
+    }
     for name, kinds in PARTS.items() if kind is Tool else ():
         given[name] = build_parameters(kinds[0], values)
     return kind(**given)
