@@ -13,7 +13,7 @@ from bristle_sim.scene.locate import Interval, first_change, locate
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach
 from bristle_sim.scene.system import LEAST_VALUE
-from bristle_sim.scene.touches import first_touch
+from bristle_sim.scene.touches import first_touch, polynomial_error
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 
@@ -95,6 +95,35 @@ class TestFirstTouch:
         share = first_touch(ROD, notch(left, left + width), interval(), 0.01)
         assert share is not None
         assert left <= share <= min(left + width, 1.0)
+
+
+def swing(fastest: float, time: float) -> State:
+    """A link that swings with a rate of amplitude 1 and a given angular frequency."""
+    return State(time, (math.sin(fastest * time) / fastest,), (math.cos(fastest * time),))
+
+
+@pytest.mark.parametrize("length", [0.1, 0.3, 1.0])
+@pytest.mark.parametrize(
+    ("links", "time_scale", "middle"), [(1, 1.0, False), (1, 1.0, True), (3, 0.25, False)]
+)
+def test_the_error_of_a_gap_on_the_polynomial_is_bounded(
+    length: float, links: int, time_scale: float, middle: bool
+) -> None:
+    """For an amplitude A and the frequency w it is at most A (w h)^4/384, or with a middle A (w h)^6/(6! 432)."""
+    length *= time_scale
+    fastest = 1.0 / time_scale
+    plan = SimpleNamespace(time_scale=time_scale)
+    system: Any = SimpleNamespace(plan=plan, mechanism=SimpleNamespace(wire_links=links))
+    worst = 0.0
+    for begin in [0.1 * number * time_scale for number in range(63)]:
+        ends = [swing(fastest, begin + part * length) for part in (0.0, 0.5, 1.0)]
+        end = IntervalResult(ends[2], middle=ends[1] if middle else None)
+        moved = Interval(IntervalResult(ends[0]), end, IntervalResult)
+        bound = polynomial_error(system, moved)
+        for part in (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8):
+            exact = swing(fastest, begin + part * length).angles[0]
+            worst = max(worst, abs(moved.at(part * length).angles[0] - exact) / bound)
+    assert 0.1 < worst < 1.0
 
 
 class TestLocate:

@@ -56,8 +56,7 @@ class Kind(StrEnum):
     SLIP_STOPS = auto()  # rigid contact: its slip velocity falls to zero
     BREAKS_AWAY = auto()  # rigid contact that sticks: its tangential force exceeds friction
     SLIPS = auto()  # rigid contact, and the sense in which it slips from now on
-    # contact: it passes a corner of the wire, or its slip reverses while friction does not
-    KINK = auto()
+    KINK = auto()  # contact: it passes a joint, a knee or the tip of the wire
     LOCKED = auto()  # rigid contact: no force keeps it closed
     # index of a pair: the tip leaves the dent of an earlier compliant contact
     DENT_LEFT = auto()
@@ -223,7 +222,7 @@ def _rigid_events(
         return rigid.spare_friction(at.totals, index) if at.totals else math.nan
 
     def slip(at: IntervalResult) -> float:
-        return (contact.slip or 1) * gaps.closest(pair, at.state).velocity[1]
+        return (contact.slip or 0) * gaps.closest(pair, at.state).velocity[1]
 
     yield Event(Kind.LOCKED, contact, compliance)
     yield Event(Kind.RELEASE, (contact,), push)
@@ -231,8 +230,6 @@ def _rigid_events(
         yield Event(Kind.BREAKS_AWAY, contact, spare)
     elif contact.slip:
         yield Event(Kind.SLIP_STOPS, contact, slip)
-    elif pair.friction:
-        yield Event(Kind.KINK, contact, slip, 0)
 
 
 def _bar_events(

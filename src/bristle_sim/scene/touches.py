@@ -100,7 +100,9 @@ def _touch(
         soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
         if interval.length > soon:
             touch = gaps.closest(pair, interval.at(soon))
-            if touch.velocity[0] > 0.0 and touch.gap > GAP_ROUNDING + _error(system, interval):
+            if touch.velocity[0] > 0.0 and touch.gap > GAP_ROUNDING + polynomial_error(
+                system, interval
+            ):
                 return find_touch(system, interval, pair, soon / interval.length)
         return _search_hop(system, interval, pair, soon)
     times = (0.0, 0.5 * interval.length, interval.length)
@@ -183,7 +185,9 @@ def find_touch(
     def gap_at(at: IntervalResult) -> float:
         return gaps.gap(pair, at.state)
 
-    fraction = first_touch(gaps.mechanism, closest, interval, _error(system, interval), begin)
+    fraction = first_touch(
+        gaps.mechanism, closest, interval, polynomial_error(system, interval), begin
+    )
     if fraction is None:
         return None
     first = begin * length
@@ -216,7 +220,7 @@ def find_touch(
     return interval.up_to(integrate_to(last)), Happening(Kind.TOUCH, pair)
 
 
-def _error(system: System, interval: Interval) -> float:
+def polynomial_error(system: System, interval: Interval) -> float:
     """Return an upper bound of a gap's error on the interval's interpolating polynomial, in engine
     units.
     """
