@@ -53,7 +53,7 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
     The sum of work and energy, which gives millimetres, is left out.
     """
     crater = study.crater
-    force = study.parallel
+    force = study.craters.get("parallel")
     rows = []
     ratio = float(
         energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time)
@@ -67,9 +67,9 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
     if force is not None and force.shear_plane_emerges:
         rows.append(("simulated force", force.depth_from_force, VERMILION))
         rows.append(("simulated energy", force.depth_from_energy, VERMILION))
-    if study.inclined:
+    if (inclined := study.craters.get("inclined")) is not None:
         rows.append(
-            ("simulated energy,\nshear to the surface", study.inclined.depth_from_energy, VERMILION)
+            ("simulated energy,\nshear to the surface", inclined.depth_from_energy, VERMILION)
         )
     return [(name, MICRO * depth, color) for name, depth, color in rows]
 

@@ -11,8 +11,10 @@ and a shallower crater. Below some C the shear plane no longer comes out of the 
 a C may fit the depth, but makes no chip.
 """
 
+import dataclasses
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from bristle_sim.comparison import Quantity, Report, Values, rows
@@ -30,7 +32,6 @@ from bristle_sim.theory.crater_cutting import (
     depth_from_force,
 )
 from bristle_sim.theory.crater_kinematics import (
-    PRINTED_FACE,
     TipFace,
 )
 from bristle_sim.theory.merchant import (
@@ -39,6 +40,7 @@ from bristle_sim.theory.merchant import (
     oblique_angles,
     specific_cutting_energy,
 )
+from bristle_sim.theory.merchant import Surface as ShearSurface
 from bristle_sim.theory.monofilament import tip_speed
 
 MEASURED = 1.3e-4  # Measured depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)
@@ -61,25 +63,23 @@ class CraterStudy:
 
     Attributes:
         crater: parameters of the crater.
-        angles: angles of the cut; None if the shear plane does not come out of the surface.
         wire_diameter: diameter of the wire, m.
+        angles: angles of the cut; None if the shear plane does not come out of the surface.
         no_chip: reason why there are no angles.
         contact: the simulated contact; None if the tip does not approach the surface.
         no_contact: reason why there is no contact.
-        parallel: crater cut by the contact if the shear plane ends at a surface parallel to the
-            tip's path.
-        inclined: crater cut by the contact if the shear plane ends at the real surface, inclined to
-            the path.
+        craters: craters that the contact cuts, by the surface at which the shear plane ends: one
+            ``parallel`` to the tip's path, or the real surface, ``inclined`` to the path. Empty
+            without a contact.
     """
 
     crater: Crater
+    wire_diameter: float
     angles: CuttingAngles | None
-    wire_diameter: float = PRINTED_FACE.short_axis
-    no_chip: str = ""
+    no_chip: str
     contact: TimedContact | None = None
     no_contact: str = ""
-    parallel: ContactCrater | None = None
-    inclined: ContactCrater | None = None
+    craters: Mapping[str, ContactCrater] = field(default_factory=dict)
 
     @property
     def impact_angle(self) -> float:
@@ -95,37 +95,43 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
             cannot be simulated.
     """
     study = _study(hub, bristle, crater, settings)
-    printed = dict[str, float]()
+    printed: Values = {}
     if crater == Crater() and bristle == Bristle():  # 300 plies are called converged
         plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
         energy = printed_number("fig. 4.19: crater depth by work and energy")
         printed = dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
     cut = cut_of(crater, bristle.wire_diameter)
-    depths = dict[str, float]()
-    if not study.no_chip:
-        depths["merchant_crater_depth"] = float(
-            chapter_4.merchant_crater_depth(plies=crater.plies, **cut)
-        )
-        depths["merchant_crater_depth_limit"] = float(chapter_4.merchant_crater_depth_limit(**cut))
+    plies = int(crater.plies)
     of_energy = {name: cut[name] for name in ("impact_angle", "compression_time")}
-    depths["energy_crater_depth"] = float(
-        chapter_4.energy_crater_depth(int(crater.plies), **of_energy)
-    )
-    simulated, theory = _contact_depths(study, bristle)
-    words = "C for the measured depth"
-    constant = _constant_deg(crater, bristle.wire_diameter)
+    depths = {"energy_crater_depth": float(chapter_4.energy_crater_depth(plies, **of_energy))}
     remarks = [
         f"measured: {1e6 * MEASURED:.0f} µm (fig. 4.13)",
         "The depth by work and energy grows with the number of plies, because the force begins near zero. In its"
         " place (4.66) prints a ratio of two sums.",
-        *([f"no chip by (4.35): {study.no_chip}"] if study.no_chip else []),
-        f"no contact simulated: {study.no_contact}"
-        if study.no_contact
-        else "The contact's depths assume that all of its force, or all of its energy, cuts a chip by Merchant's relation on a"
-        " straight path. The shear plane ends at a surface parallel to the path, as in (4.28), or at the real surface, inclined to it.",
     ]
+    if study.no_chip:
+        remarks.append(f"no chip by (4.35): {study.no_chip}")
+    else:
+        depths["merchant_crater_depth"] = float(chapter_4.merchant_crater_depth(plies=plies, **cut))
+        depths["merchant_crater_depth_limit"] = float(chapter_4.merchant_crater_depth_limit(**cut))
+    if study.contact is None:
+        fields: dict[str, Any] = {"outcome": "no contact"}
+        remarks.append(f"no contact simulated: {study.no_contact}")
+    else:
+        fields = contact_fields(study.contact)
+        remarks.append(
+            "The contact's depths assume that all of its force, or all of its energy, cuts a chip by Merchant's relation on a"
+            " straight path. The shear plane ends at a surface parallel to the path, as in (4.28), or at the real surface, inclined to it."
+        )
+    simulated, theory = _contact_depths(study, bristle)
+    try:
+        angle = chapter_4.constant_for_crater_depth(MEASURED, plies=plies, **cut)
+        constant = math.degrees(angle)
+    except ValueError:  # no C gives the measured depth
+        constant = None
+    words = "C for the measured depth"
     return Report(
-        **contact_fields(study.contact) if study.contact else {"outcome": "no contact"},
+        **fields,
         quantities=(
             *rows(FORMULA_DEPTHS, {}, depths, printed=printed),
             *rows(CONTACT_DEPTHS, simulated, theory),
@@ -149,10 +155,10 @@ def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
             contact cannot be simulated.
     """
     study = _study(hub, bristle, crater, settings)
-    if study.inclined is None:
+    if study.no_contact:
         raise ValueError(study.no_contact)
     face = TipFace(short_axis=bristle.wire_diameter)
-    return SweptTip(study.inclined.depth_from_energy, study.impact_angle, face)
+    return SweptTip(study.craters["inclined"].depth_from_energy, study.impact_angle, face)
 
 
 def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Values) -> str:
@@ -161,10 +167,10 @@ def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Valu
         chip = amount(depth, "m")
     if (said := printed.get("merchant_crater_depth")) is not None:
         chip += f" (printed {amount(said, 'm')})"
-    own = [value for value in simulated.values() if value is not None]
+    own = sorted(value for value in simulated.values() if value is not None)
     contact = f"No contact is simulated ({study.no_contact})"
     if own:
-        contact = f"The simulated contact cuts {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
+        contact = f"The simulated contact cuts {' to '.join(dict.fromkeys(amount(each, 'm') for each in (own[0], own[-1])))}"
     ratio = chapter_4.energy_crater_depth_ratio(
         5, study.impact_angle, compression_time=study.crater.compression_time
     )
@@ -189,6 +195,7 @@ def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Cr
         angles = oblique_angles(cut["friction"], cut["impact_angle"])
     except ShearAngleError as error:
         no_chip = str(error)
+    found = CraterStudy(crater, bristle.wire_diameter, angles, no_chip)
     surface = Surface(friction=crater.friction, restitution=0.0)
     timed = {
         "compression_time": cut.pop("compression_time"),
@@ -199,13 +206,13 @@ def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Cr
     except ValueError as error:
         if tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio) > 0.0:
             raise
-        return CraterStudy(crater, angles, bristle.wire_diameter, no_chip, no_contact=str(error))
+        return dataclasses.replace(found, no_contact=str(error))
     columns = contact.history.columns().values()
-    craters = (
-        crater_depth_from_contact(*columns, **cut, surface=kind)
+    craters = {
+        kind: crater_depth_from_contact(*columns, **cut, surface=kind)
         for kind in ("parallel", "inclined")
-    )
-    return CraterStudy(crater, angles, bristle.wire_diameter, no_chip, contact, "", *craters)
+    }
+    return dataclasses.replace(found, contact=contact, craters=craters)
 
 
 def _contact_depths(study: CraterStudy, bristle: Bristle) -> tuple[Values, Values]:
@@ -214,26 +221,27 @@ def _contact_depths(study: CraterStudy, bristle: Bristle) -> tuple[Values, Value
     In theory the contact is a rigid-body impact whose force is a quarter of a sine wave. Along the
     path the tip, of speed v, gives up the momentum m v/3 and the energy m v^2/6.
     """
+    simulated = dict[str, float]()
+    theory = dict[str, float]()
+    if study.contact is None:
+        return simulated, theory
     crater = study.crater
-    parallel = study.parallel
-    inclined = study.inclined
-    if study.contact is None or parallel is None or inclined is None:
-        return {}, {}
     speed = study.contact.tip_speed
-    gamma = study.impact_angle
     energy = bristle.mass * speed**2 / 6.0
     force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time
-    cut = (crater.friction, gamma, crater.shear_yield_stress)
-    straight, leaning = (specific_cutting_energy(*cut, kind) for kind in ("parallel", "inclined"))
-    at_face = (gamma, TipFace(short_axis=bristle.wire_diameter))
-    by_force, by_energy, by_energy_inclined = CONTACT_DEPTHS
-    simulated = {by_energy_inclined: float(inclined.depth_from_energy)}
-    theory = {by_energy_inclined: float(depth_from_energy(energy, leaning, *at_face))}
-    if parallel.shear_plane_emerges:
-        simulated[by_force] = float(parallel.depth_from_force)
-        simulated[by_energy] = float(parallel.depth_from_energy)
-        theory[by_force] = float(depth_from_force(force, straight, *at_face))
-        theory[by_energy] = float(depth_from_energy(energy, straight, *at_face))
+    depths: tuple[tuple[ShearSurface, Callable[..., Any], float], ...] = (
+        ("parallel", depth_from_force, force),
+        ("parallel", depth_from_energy, energy),
+        ("inclined", depth_from_energy, energy),
+    )
+    face = TipFace(short_axis=bristle.wire_diameter)
+    for name, (kind, depth, load) in zip(CONTACT_DEPTHS, depths, strict=True):
+        found = study.craters[kind]
+        if kind == "inclined" or found.shear_plane_emerges:
+            cutting = (crater.friction, study.impact_angle, crater.shear_yield_stress)
+            specific = specific_cutting_energy(*cutting, kind)
+            simulated[name] = float(getattr(found, depth.__name__))
+            theory[name] = float(depth(load, specific, study.impact_angle, face))
     return simulated, theory
 
 
@@ -246,14 +254,3 @@ def cut_of(crater: Crater, wire_diameter: float) -> dict[str, Any]:
         "impact_angle": math.radians(crater.impact_angle_deg),
         "wire_diameter": wire_diameter,
     }
-
-
-def _constant_deg(crater: Crater, wire_diameter: float) -> float | None:
-    """Return the constant C of (4.45), deg, that gives the measured depth; None if no C gives it."""
-    try:
-        cut = cut_of(crater, wire_diameter)
-        return math.degrees(
-            chapter_4.constant_for_crater_depth(MEASURED, plies=int(crater.plies), **cut)
-        )
-    except ValueError:
-        return None

@@ -20,8 +20,9 @@ from bristle_sim.readable import amount
 from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched
-from bristle_sim.studies.strike_measures import IMPACT, STATE, outcome_fields, state_at_strike
+from bristle_sim.studies.strike_measures import IMPACT, STATE, outcome_fields
 from bristle_sim.studies.whole_pass import (
+    measures_of,
     reference_accuracy,
     require_result,
     require_rigid,
@@ -291,10 +292,8 @@ def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """Return the quantities of a bristle's first strike, in the units of STRIKE; they are None
     without a strike.
     """
-    contact = run.first_contact("workpart")
-    impulse = None if contact is None else contact.impulse[0]
-    state = state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}
-    return {name: state[name] for name in STRIKE}
+    found = measures_of(tool, run)
+    return {name: found[name] for name in STRIKE}
 
 
 def _touches(run: Trajectory) -> list[float]:

@@ -16,9 +16,9 @@ from bristle_sim.readable import finite
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import ENTRY, OUTCOME, REASON, pass_quantities, unable
-from bristle_sim.studies.strike_measures import IMPACT, STATE, contact_quantities, state_at_strike
+from bristle_sim.studies.strike_measures import IMPACT, STATE
 from bristle_sim.studies.sweep_point import FAILURE, evaluate_in_turn
-from bristle_sim.studies.whole_pass import require_result
+from bristle_sim.studies.whole_pass import measures_of, require_result
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.crater_kinematics import PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
@@ -110,13 +110,13 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     strike = run.first_contact("workpart")
     if strike is None:
         raise NotCuedError(f"the bristle must strike the workpart, it does not: {run.stop_reason}")
-    touches = [each for each in run.contacts if each.obstacle == "bar" and each.time <= strike.time]
-    if not touches:
+    found = dict(measures_of(tool, run))
+    release = found["release_time"]
+    if release is None:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
-    if max(each.time + each.duration for each in touches) >= strike.time:
+    if release >= strike.time:
         raise NotCuedError("the bristle must have left the bar when it strikes the workpart")
     friction = tool.workpart.friction if tool.workpart else 0.0
-    found = state_at_strike(tool, run, strike) | contact_quantities(strike)
     found["crater_depth"] = crater_of(strike, friction, tool.bristle.wire_diameter)
     return {name: found[name] for name in STRIKE_UNITS}
 
