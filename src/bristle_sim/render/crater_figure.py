@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, VERMILION
-from bristle_sim.render.style import add_panel, blank_figure, note, signed, styled
+from bristle_sim.render.drawing import show_points
+from bristle_sim.render.style import add_panel, blank_figure, note, styled
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy, cut_of
 from bristle_sim.theory.crater import (
     energy_crater_depth_ratio,
@@ -22,6 +23,7 @@ from bristle_sim.theory.crater import (
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS
 
 MICRO = 1e6  # micrometres in a metre
+MEASURED_DEPTH = MICRO * MEASURED
 # Angle of the rake face, leaning back from the workpart's normal, rad (Zhang 2020, eq. 4.36).
 LEAN = math.radians(11.5)
 
@@ -34,16 +36,20 @@ def crater_figure(study: CraterStudy) -> Figure:
     """
     figure = blank_figure(16.0, 14.1)
     rows = _estimates(study)
-    name, depth, _ = min(rows, key=lambda row: abs(row[1] - MICRO * MEASURED))
-    off = 100.0 * (depth / (MICRO * MEASURED) - 1.0)
-    words = f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
+    name, depth, _ = min(rows, key=lambda row: abs(row[1] - MEASURED_DEPTH))
+    off = depth / MEASURED_DEPTH - 1.0
+    words = f"{100.0 * abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
     finding = f"Nearest to the measured depth: {' '.join(name.split())}, {words}"
     figure.text(1.5 / 16.0, 1.0 - 0.6 / 14.1, finding, fontsize=9.0)
     words = "shaded: within 10 % of the measured depth"
+    label = f"crater depth (µm); line: measured, {MEASURED_DEPTH:.0f} µm"
+    place = (4.6, 7.7, 8.8, 4.4)
     _draw_estimates(
-        add_panel(figure, (4.6, 7.7, 10.6, 4.4), "crater depth by every estimate", words), rows
+        add_panel(figure, place, "crater depth by every estimate", words, xlabel=label), rows
     )
-    _draw_chip(add_panel(figure, (1.5, 1.2, 14.0, 4.4), "chip and shear plane, to scale"), study)
+    labels = {"xlabel": "along the workpart (µm)", "ylabel": "height (µm)"}
+    title = "chip and shear plane, to scale"
+    _draw_chip(add_panel(figure, (1.5, 1.2, 14.0, 4.4), title, **labels), study)
     return figure
 
 
@@ -75,19 +81,19 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
 
 
 def _draw_estimates(axes: Axes, rows: list[tuple[str, float, str]]) -> None:
-    measured = MICRO * MEASURED
-    axes.axvspan(0.9 * measured, 1.1 * measured, color=GREY, alpha=0.18, linewidth=0.0)
-    axes.axvline(measured, color=BLACK, linewidth=1.2)
-    for row, (_, depth, color) in enumerate(rows):
-        axes.barh(row, depth, color=color, alpha=0.55, height=0.6)
-        off = 100.0 * (depth / measured - 1.0)
-        words = f"{depth:.0f} µm, {'+' * (off >= 0.5)}{signed(off, 0)} %"
-        note(axes, words, (max(depth, measured), row), (5.0, 0.0), va="center", color=BLACK)
-    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    names, depths, colors = zip(*rows, strict=True)
+    axes.axvspan(0.9 * MEASURED_DEPTH, 1.1 * MEASURED_DEPTH, color=GREY, alpha=0.18, linewidth=0.0)
+    axes.axvline(MEASURED_DEPTH, color=BLACK, linewidth=1.2)
+    places = range(len(rows))
+    axes.barh(places, depths, color=colors, alpha=0.55, height=0.6)
+    axes.set_yticks(places, names)
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
-    axes.set_xlim(0.0, 1.35 * max(measured, *(depth for _, depth, _ in rows)))
-    axes.set_xlabel(f"crater depth (µm); line: measured, {measured:.0f} µm", labelpad=1.0)
+    off = [f"{100.0 * (depth / MEASURED_DEPTH - 1.0):+.0f} %" for depth in depths]
+    words = [f"{depth:.0f} µm, {each}" for depth, each in zip(depths, off, strict=True)]
+    axes.secondary_yaxis("right").set_yticks(
+        places, [each.replace("-", "\N{MINUS SIGN}") for each in words]
+    )
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
@@ -100,32 +106,24 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     tip = path * _direction(-gamma)
     depth = path * math.sin(gamma)
     rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, study.crater.friction)
-    planes = {"shear plane to the surface": (GREEN, depth / math.sin(rising) * _direction(rising))}
+    planes = {"shear plane to the surface": (GREEN, depth / math.sin(rising), rising)}
     if study.angles is not None:  # the length is that of (4.28)
         eta = float(study.angles.shear)
         length = depth / math.cos(gamma) / math.sin(eta)
-        planes["shear plane of (4.28)"] = (VERMILION, length * _direction(eta - gamma))
-    farthest = tip[0] + max(float(along[0]) for _, along in planes.values())
-    width = max(1.25 * farthest, 7.0 * depth, 1.0)
-    sides = (-0.12 * width, 0.88 * width)
-    height = width * axes.bbox.height / axes.bbox.width
-    bottom = -max(1.7 * depth, 0.25 * height)
-    upright = _direction(math.pi / 2.0 + LEAN)
-    cut = np.array([(0.0, 0.0), tip, tip + depth / math.cos(LEAN) * upright])
-    axes.fill_between(sides, 0.0, bottom, color="#e3e6ea", linewidth=0.0, zorder=0)
-    axes.fill(*cut.T, color="white", zorder=1)
-    axes.plot(sides, (0.0, 0.0), color=GREY, linewidth=0.8)
-    axes.plot(*cut[:2].T, color=BLACK, label="path")
-    face = 3.2 * depth * upright
-    heel = 2.6 * depth * _direction(math.pi - gamma - math.radians(12.0))  # clears the path
-    tool = np.array([tip, tip + face, tip + heel])
+        planes["shear plane of (4.28)"] = (VERMILION, length, eta - gamma)
+    heel = math.pi - gamma - math.radians(12.0)  # clears the path
+    rake = math.pi / 2.0 + LEAN
+    tool = tip + depth * np.array([(0.0, 0.0), 3.2 * _direction(rake), 2.6 * _direction(heel)])
+    lines = {"path": (BLACK, np.array([(0.0, 0.0), tip]))}
+    for label, (color, length, angle) in planes.items():
+        lines[label] = (color, np.array([tip, tip + length * _direction(angle)]))
+    show_points(axes, [*(points for _, points in lines.values()), 0.5 * (tip + tool)], 0.08)
+    axes.axhspan(axes.get_ylim()[0], 0.0, color="#e3e6ea", linewidth=0.0, zorder=0)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.fill(*tool.T, color=GREY, alpha=0.55, linewidth=0.0, zorder=2)
     note(axes, "tip", tuple(tool.mean(axis=0)), (0.0, 0.0), color="white", ha="center", zorder=3)
-    for label, (color, along) in planes.items():
-        axes.plot(*np.transpose([tip, tip + along]), color=color, label=label)
-    axes.set(xlim=sides, ylim=(bottom, bottom + height))
-    axes.set(xlabel="along the workpart (µm)", ylabel="height (µm)")
-    axes.set_aspect("equal")
+    for label, (color, points) in lines.items():
+        axes.plot(*points.T, color=color, label=label)
     axes.legend(loc="upper right", labelspacing=0.3)
 
 

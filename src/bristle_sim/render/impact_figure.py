@@ -6,6 +6,7 @@ The energetic law is compared with a contact that is resolved in time.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,7 +23,7 @@ PHASE_COLOURS = {
 }  # fmt: skip
 # Width of the narrowest phase whose name is shown, as a fraction of the panel
 NARROWEST_NAMED = 0.09
-LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
+LINES = {"tangential_velocity": ("$v_t$", VERMILION), "normal_velocity": ("$v_n$", BLUE)}
 
 
 @styled()
@@ -33,44 +34,37 @@ def impact_figure(impacts: Impacts) -> Figure:
     """
     figure = blank_figure(16.0, 7.4)
     surface = impacts.surface
-    recorded = None
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
-    later = (
-        "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
-    )
-    words = (
-        f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
-    )
+    words = f"{angles} to the normal, μ = {surface.friction:.4g}"
+    if surface.restitution_friction is not None:
+        words += f", μ₂ = {surface.restitution_friction:.4g}"
+    words += f", e* = {surface.restitution:.4g}"
     course = energetic_course(impacts.chain, surface)
+    end = float(course.impulse[-1])
+    recorded = None
     resolved = impacts.strikes.get("compliant")
     if resolved is not None and resolved.contact.history is not None:
         recorded = recorded_course(resolved.contact.history)
-        if resolved.contact.outcome != "rebound":  # a tip in stiction stays in contact
-            shown = recorded.impulse <= 1.01 * course.impulse[-1]
-            recorded = ImpulseCourse(
-                recorded.impulse[shown],
-                recorded.normal_velocity[shown],
-                recorded.tangential_velocity[shown],
-            )
-        rigid, elastic = (
-            (": rigid along the surface", ", elastic")
-            if impacts.contact.tangential_compliance
-            else ("", "")
-        )
-        words += f"; lines{rigid or ': energetic law'}, crosses: resolved in time{elastic}"
-    _draw_impulse_plane(
-        add_panel(figure, (1.45, 1.3, 13.4, 4.9), "the impact over its normal impulse", words),
-        course,
-        recorded,
-    )
+        if resolved.contact.outcome == "rebound":  # a tip in stiction stays in contact
+            end = max(end, float(recorded.impulse[-1]))
+        elastic = bool(impacts.contact.tangential_compliance)
+        words += "; lines: " + ("rigid along the surface" if elastic else "energetic law")
+        words += ", crosses: resolved in time" + ", elastic" * elastic
+    axes = add_panel(figure, (1.45, 1.3, 13.4, 4.9), "the impact over its normal impulse", words)
+    _draw_impulse_plane(axes, course, recorded, end)
     return figure
 
 
-def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
+def _draw_impulse_plane(
+    axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None, end: float
+) -> None:
     """Draw the tip's velocities over the normal impulse, with the phases of the impact shaded.
 
-    ``course`` is the energetic law, drawn as straight lines. ``recorded`` is a contact resolved in
-    time, drawn as crosses.
+    Args:
+        axes: axes of the drawing.
+        course: the energetic law, drawn as straight lines.
+        recorded: a contact resolved in time, drawn as crosses.
+        end: largest normal impulse shown, N s.
     """
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
     impulse = scale_for(float(course.impulse[-1]), "N·s")
@@ -82,23 +76,16 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
         say(axes, "the tip does not approach: no contact")
         return
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    for name, color, which in LINES:
-        place = course.impulse * impulse.factor
+    for which, (name, color) in LINES.items():
         values = getattr(course, which) * speed.factor
-        axes.plot(place, values, color=color, gid=which)
-        # The name is on the side of the line away from zero.
-        quarter = 0.25 * float(place[1])
-        side = -1.0 if values[0] < 0.0 else 1.0
-        words_at = (quarter, float(np.interp(quarter, place, values)))
-        look: Look = {"color": color, "fontsize": 9.0}
-        note(axes, name, words_at, (3.0, 3.0 * side), va="top" if side < 0.0 else "bottom", **look)
+        axes.plot(course.impulse * impulse.factor, values, color=color, gid=which, label=name)
         if recorded is not None:
             points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
-            look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
+            look: Look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3}
             axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.08), ncols=2, fontsize=9.0)
     bottom, top = axes.get_ylim()
-    last = max(each.impulse[-1] for each in (course, recorded) if each is not None)
-    axes.set_xlim(0.0, 1.03 * last * impulse.factor)
+    axes.set_xlim(0.0, 1.03 * end * impulse.factor)
     # room for names above and below
     axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))
     _shade_phases(axes, course, impulse.factor)
@@ -106,31 +93,25 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
 
 
 def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
-    """Shade the phases of an impact, with compression and restitution named above, slip and stick
-    below.
-    """
-    ends = (course.impulse * factor).tolist()
     right = axes.get_xlim()[1]
-    halves: dict[str, tuple[float, float]] = {}
-    named = []
-    for name, start, end in zip(course.phases, ends, ends[1:], strict=False):
+    for name, (start, end) in zip(course.phases, pairwise(course.impulse * factor), strict=False):
         axes.axvspan(start, end, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0)
-        half, motion = name.split(" ", 1)
-        halves[half] = (halves.get(half, (start, end))[0], end)
-        narrow = end - start < 0.25 * ends[-1]
-        named.append(
-            (motion.replace(" ", "\n") if narrow else motion, 0.89, (start, end), "normal")
-        )
-    named += [(half, 0.97, place, "bold") for half, place in halves.items()]
-    look: Look = {
-        "transform": axes.get_xaxis_transform(),
-        "ha": "center",
-        "va": "top",
-        "fontsize": 7.0,
-    }
-    for words, height, (start, end), weight in named:
         if end - start >= NARROWEST_NAMED * right:
-            axes.text(0.5 * (start + end), height, words, linespacing=1.05, weight=weight, **look)
+            words = (
+                name.replace(" ", "\n")
+                if end - start < 0.25 * right
+                else name.replace(" ", "\n", 1)
+            )
+            above = axes.get_xaxis_transform()
+            axes.text(
+                0.5 * (start + end),
+                0.97,
+                words,
+                transform=above,
+                ha="center",
+                va="top",
+                fontsize=7.0,
+            )
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
@@ -144,13 +125,8 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
         if 0.0 < place < math.inf:
             near = next((other for other in marks if abs(other - place) < 0.02 * last), place)
             marks.setdefault(near, []).append(name)
-    foot: Look = {
-        "xycoords": axes.get_xaxis_transform(),
-        "ha": "right",
-        "color": BLACK,
-        "fontsize": 8.0,
-    }
+    foot: Look = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "fontsize": 8.0}
     for place, names in marks.items():
-        top = 0.8 if names == ["p_s"] else 1.0  # the line of p_s ends below the name of its phase
-        axes.axvline(place * factor, color=BLACK, linewidth=0.7, dashes=(4, 2), zorder=1, ymax=top)
-        note(axes, f"${' = '.join(names)}$", (place * factor, 0.03), (-3.0, 0.0), **foot)
+        axes.axvline(place * factor, color=BLACK, linewidth=0.7, dashes=(4, 2), zorder=1, ymax=0.8)
+        words = f"${' = '.join(names)}$"
+        note(axes, words, (place * factor, 0.03), (-3.0, 0.0), color=BLACK, **foot)
