@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from bristle_sim.dissertation.redrawn import SOURCES, Panel, Redrawn
@@ -160,50 +159,40 @@ def draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
 def draw_panel(axes: Axes, panel: Panel) -> None:
     """Draw a panel; the names of its curves stand in a row above it, or inside it if they are long."""
     x, y = panel.x.factor, panel.y.factor
-    names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
-    for curve, color in zip(panel.curves, SERIES, strict=False):
-        (line,) = axes.plot(x * curve.x, y * curve.theory, color=color, label=curve.name)
-        names.append(line)
+    for number, (curve, color) in enumerate(zip(panel.curves, SERIES, strict=False)):
+        family = f"{panel.family}:  " * (panel.family != "" and number == 0)
+        axes.plot(x * curve.x, y * curve.theory, color=color, label=family + curve.name)
         for source, (at, values) in curve.points.items():
             axes.plot(x * at, y * values, zorder=3, **{"color": color, **POINT, **_LOOKS[source]})
     dashes = iter([(4.0, 2.0), (1.0, 1.5)])
     for level in panel.levels:
         look: Look = {"color": GREY, "linewidth": 0.9, "zorder": 1, "label": level.label}
         if level.upright:
-            line = axes.axvline(x * level.value, dashes=(3.0, 2.0), **look)
+            axes.axvline(x * level.value, dashes=(3.0, 2.0), **look)
         else:
-            line = axes.axhline(y * level.value, dashes=next(dashes), **look)
-        names.append(line)
+            axes.axhline(y * level.value, dashes=next(dashes), **look)
     for mark in panel.marks:
         place = (x * mark.x, y * mark.y)
         offset, side = _SIDES[mark.side]
-        dot: Look = (
-            {"color": BLACK, "marker": "o", "markersize": 4.5} if mark.label else OPERATING_POINT
-        )
-        axes.plot(*place, zorder=5, **dot)
+        dot: Look = {"color": BLACK, "marker": "o", "markersize": 4.5}
+        axes.plot(*place, zorder=5, **(dot if mark.label else OPERATING_POINT))
         note(axes, mark.label, place, offset, ha=side, color=BLACK, zorder=5)
     axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     _limit(axes, panel)
     axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
     axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
-    # Lines of one label share an entry.
-    named = {str(line.get_label()): line for line in names if str(line.get_label()).strip()}
-    look = {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
+    handles, labels = axes.get_legend_handles_labels()
+    named = dict(zip(labels, handles, strict=True))  # lines of one label share an entry
+    look = {"frameon": True, "framealpha": 0.8, "edgecolor": "none", "labelspacing": 0.25}
     if panel.family:
-        look = {
-            "loc": "lower left",
-            "bbox_to_anchor": (-0.12, 0.985),
-            "ncols": len(named),
-            "columnspacing": 0.55,
-        }
-    axes.legend(
-        handles=list(named.values()),
-        fontsize=6.5,
-        handlelength=0.9,
-        handletextpad=0.3,
-        labelspacing=0.25,
-        **look,
-    )
+        look = {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(named)}
+    sizes: Look = {
+        "fontsize": 6.5,
+        "handlelength": 0.9,
+        "handletextpad": 0.3,
+        "columnspacing": 0.55,
+    }
+    axes.legend(named.values(), named, **look, **sizes)
 
 
 def _limit(axes: Axes, panel: Panel) -> None:
@@ -212,13 +201,13 @@ def _limit(axes: Axes, panel: Panel) -> None:
     A curve that varies only by rounding error then looks constant, and labels above marks have
     room.
     """
-    values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
-    low, high = float(values.min()), float(values.max())
-    if high - low < max(1e-3 * max(abs(low), abs(high)), NOTHING):
-        bottom = min(1.3 * low, 0.0)
-        top = max(1.3 * high, 0.0)
-        axes.set_ylim(bottom, top if top - bottom > NOTHING else 1.0)
+    values = panel.y.factor * np.concatenate([curve.theory for curve in panel.curves])
+    high = float(values.max())
+    span = float(np.ptp(values))
+    if span < max(1e-3 * abs(high), NOTHING):
+        level = 1.3 * high if abs(high) > NOTHING else 1.0
+        axes.set_ylim(min(level, 0.0), max(level, 0.0))
     if panel.top is not None:
         axes.set_ylim(0.0, panel.y.factor * panel.top or 1.0)
     if any(mark.side == "above" for mark in panel.marks):
-        axes.set_ylim(top=high + 0.1 * (high - low))
+        axes.set_ylim(top=high + 0.1 * span)

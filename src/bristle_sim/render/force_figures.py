@@ -40,7 +40,8 @@ def force_figure(comparison: ForceComparison) -> Figure:
     simulated = "and a bristle's contact of the same impulse and compression time"
     title = f"{name}, {simulated if contact else 'without a simulated contact'}"
     labels = {"xlabel": "time since first touch (µs)", "ylabel": "force on the tip (N)"}
-    axes = add_panel(blank_figure(16.0, 7.9), (1.3, 1.2, 14.2, 5.4), title, **labels)
+    figure = blank_figure(16.0, 7.9)
+    axes = add_panel(figure, (1.3, 1.2, 14.2, 5.4), title, **labels)
     end = curve.duration
     if measured is not None:
         dots = "." if measured.time.size <= MOST_DOTS else "-"
@@ -66,7 +67,7 @@ def force_figure(comparison: ForceComparison) -> Figure:
     first = 0.0 if measured is None else max(float(measured.time[0]), -BESIDE * curve.duration)
     axes.set_xlim(MICROSECONDS * first, MICROSECONDS * end)
     axes.legend(loc="upper right", labelspacing=0.3)
-    return axes.get_figure(root=True)
+    return figure
 
 
 PASSES = 12  # number of bristles that pass in the second panel

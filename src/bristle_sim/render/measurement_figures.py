@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import show_points
 from bristle_sim.render.style import (
@@ -41,12 +42,13 @@ def measured_figure(compliance: float) -> Figure:
     """
     figure = blank_figure(16.0, 7.6)
     angle = np.linspace(0.5, 62.0, 400)
+    rigid, elastic = (sphere_rebound(angle, each) for each in (0.0, compliance))
     for place, (name, (title, words)) in enumerate(SPHERES.items()):
-        axes = add_panel(figure, (1.3 + 5.1 * place, 1.9, 3.9, 4.4), title, words)
-        axes.set_xlabel("angle of incidence (°)")
-        rigid, elastic = (sphere_rebound(angle, each)[name] for each in (0.0, compliance))
-        axes.plot(angle, rigid, "--", color=VERMILION, label="rigid along the surface")
-        axes.plot(angle, elastic, color=BLUE, label=f"elastic, η² = {compliance:g}")
+        left = 1.3 + 5.1 * place
+        label = "angle of incidence (°)"
+        axes = add_panel(figure, (left, 1.9, 3.9, 4.4), title, words, xlabel=label)
+        axes.plot(angle, rigid[name], "--", color=VERMILION, label="rigid along the surface")
+        axes.plot(angle, elastic[name], color=BLUE, label=f"elastic, η² = {compliance:g}")
         measured = MEASURED_SPHERES[name].T
         axes.plot(*measured, "o", color=BLACK, markersize=3.5, label="measured")
     figure.legend(handles=axes.lines, loc="lower center", ncols=3)
@@ -86,29 +88,31 @@ def film_map_figure(film: FilmMap) -> Figure:
     Panels below show the pass that is nearest to the measurement, as a high-speed camera films it.
     """
     figure = blank_figure(16.0, 14.0)
-    for number, (name, (title, words, _)) in enumerate(MAPS.items()):
+    for number, (name, (title, words, factor)) in enumerate(MAPS.items()):
         axes = add_panel(figure, (1.6 + 4.9 * number, 8.6, 3.4, 3.7), title, words)
-        _draw_map(axes, film, name, first=number == 0)
+        _draw_map(axes, film, factor * film.results[name], factor * MEASURED[name])
+        axes.tick_params(labelleft=number == 0)
+        axes.set_ylabel("damping ratio of the wire" * (number == 0))
     rate = f"{film.grid.frame_rate:g} frames a second"
-    exposure = f"{MICROSECONDS * film.grid.exposure:g} µs"
-    frames = add_panel(
-        figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", f"{rate}, exposure {exposure}"
-    )
+    words = f"{rate}, exposure {MICROSECONDS * film.grid.exposure:g} µs"
+    labels = {"xlabel": "along the workpart (mm)", "ylabel": "above the hub's axis (mm)"}
+    frames = add_panel(figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", words, **labels)
     words = "continuous, and in the camera's frames"
-    height = add_panel(figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", words)
+    labels = {"xlabel": "time from the strike (µs)", "ylabel": "height (mm)"}
+    height = add_panel(figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", words, **labels)
     _draw_frames(frames, height, film)
     write_key(figure, LOOKS, columnspacing=1.2)
     return figure
 
 
-def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
-    factor = MAPS[name][2]
-    values = factor * film.results[name]
-    measured = factor * MEASURED[name]
+def _draw_map(axes: Axes, film: FilmMap, values: Array, measured: float) -> None:
+    """Draw a map over the contact's duration and the wire's damping, with the contour at which the
+    values are as measured.
+    """
     x, y = (np.arange(each.size) + 0.5 for each in (film.durations, film.dampings))
     draw_colours(axes, x, y, values)
     line = np.ma.masked_invalid(np.where(values > MOST_ABOVE * measured, np.nan, values))
-    level = 1.5 if name == "touches" else measured
+    level = 1.5 if measured == 1.0 else measured  # of one touch, the border to two
     if line.count() and line.min() < level < line.max():
         axes.contour(x, y, line, levels=[level], colors=VERMILION, linewidths=1.4)
     row, column = film.nearest
@@ -118,8 +122,8 @@ def _draw_map(axes: Axes, film: FilmMap, name: str, *, first: bool) -> None:
         for each, most in ((x, 3), (y, 6))
     )
     axes.set_xticks(x[across], [f"{MICROSECONDS * each:.0f}" for each in film.durations[across]])
-    axes.set_yticks(y[up], [f"{each:.2g}" * first for each in film.dampings[up]])
-    axes.set(xlabel="contact duration (µs)", ylabel="damping ratio of the wire" * first)
+    axes.set_yticks(y[up], [f"{each:.2g}" for each in film.dampings[up]])
+    axes.set_xlabel("contact duration (µs)")
 
 
 def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
@@ -130,21 +134,16 @@ def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
     """
     strike = film.run.event_time("strike") or 0.0
     ground = -MILLIMETRES * film.tool.workpart_depth
-    lines = []
-    for opened in film.frames:
-        during = opened + film.grid.exposure * np.linspace(0.0, 1.0, SMEAR)
-        lines.append(MILLIMETRES * film.run.at(during).centre_line)
-        for wire in lines[-1]:
-            frames.plot(*wire.T, color=BLACK, alpha=1.5 / SMEAR, linewidth=0.8)
-        height.plot(
-            MICROSECONDS * (during - strike), lines[-1][:, -1, 1] - ground, zorder=3, **EXPOSED
-        )
-    show_points(frames, [np.array(lines), [0.0, ground - 2.0]], 0.03)
+    exposed = np.add.outer(film.frames, film.grid.exposure * np.linspace(0.0, 1.0, SMEAR))
+    shown = film.run.at(exposed)
+    wires = MILLIMETRES * shown.centre_line.reshape(-1, *shown.centre_line.shape[2:])
+    show_points(frames, [wires, [0.0, ground - 2.0]], 0.03)
+    for wire in wires:
+        frames.plot(*wire.T, color=BLACK, alpha=1.5 / SMEAR, linewidth=0.8)
     frames.axhspan(frames.get_ylim()[0], ground, color=LIGHT, zorder=0)
-    frames.set(xlabel="along the workpart (mm)", ylabel="above the hub's axis (mm)")
     time = strike + np.linspace(-FOLLOWED, FOLLOWED, 801)
-    height.plot(
-        MICROSECONDS * (time - strike), MILLIMETRES * film.run.at(time).tip[:, 1] - ground, **MOTION
-    )
+    tip = MILLIMETRES * film.run.at(time).tip[:, 1] - ground
+    height.plot(MICROSECONDS * (time - strike), tip, **MOTION)
+    tips = (MICROSECONDS * (exposed - strike)).T, (MILLIMETRES * shown.tip[..., 1] - ground).T
+    height.plot(*tips, zorder=3, **EXPOSED)
     height.axhline(0.0, color=GREY, linewidth=0.8)
-    height.set(xlabel="time from the strike (µs)", ylabel="height (mm)")

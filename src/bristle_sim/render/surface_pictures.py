@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -48,25 +49,23 @@ def surface_figure(made: BlastedSurface) -> Figure:
     coverage.
     """
     figure = blank_figure(16.0, 16.2)
-    blasting = made.blasting
+    low, high = MEASURED_RZ
     words = (
-        f"Rz {MICRO * made.rz:.0f} µm (measured {MICRO * MEASURED_RZ[0]:.0f} to {MICRO * MEASURED_RZ[1]:.0f} µm)"
-        f" at {3600.0 * made.area_rate:.2f} m²/h, {100.0 * made.coverage:.1f} % covered, rule {blasting.crater_rule}"
+        f"Rz {MICRO * made.rz:.0f} µm (measured {MICRO * low:.0f} to {MICRO * high:.0f} µm)"
+        f" at {3600.0 * made.area_rate:.2f} m²/h, {100.0 * made.coverage:.1f} % covered, rule {made.blasting.crater_rule}"
     )
     figure.text(1.5 / 16.0, 1.0 - 0.6 / 16.2, words, fontsize=9.0)
-    axes = add_panel(
-        figure,
-        (1.5, 12.2, 12.4, 2.0),
-        "height map, lit from the left",
-        "the tips slide to the right",
-    )
-    _draw_map(axes, made)
+    words = "the tips slide to the right"
+    axes = add_panel(figure, (1.5, 12.2, 12.4, 2.0), "height map, lit from the left", words)
+    norm = _colours(made)
+    _show_heights(axes, made, _lit(made, made.heights, norm))
+    add_colour_bar(axes, ScalarMappable(norm, MAP), "min").set_title("µm", fontsize=7.0, color=GREY)
     _draw_profile(add_panel(figure, (1.5, 6.9, 13.4, 3.2), "a profile along the slide"), made)
     _draw_course(add_panel(figure, (1.5, 1.2, 12.0, 3.5), "while the belt passes"), made)
     return figure
 
 
-def time_of(made: BlastedSurface, strikes: ArrayLike) -> Array:
+def _strike_times(made: BlastedSurface, strikes: ArrayLike) -> Array:
     """Return the time under the belt, s, at which a number of strikes has fallen on the simulated
     area.
     """
@@ -74,21 +73,24 @@ def time_of(made: BlastedSurface, strikes: ArrayLike) -> Array:
     return np.asarray(strikes) * (part / made.strike_rate)
 
 
-def _colours(heights: Array) -> Normalize:
-    return Normalize(MICRO * float(np.percentile(heights, DEEPEST)), MICRO * float(heights.max()))
+def _colours(made: BlastedSurface) -> Normalize:
+    deepest = float(np.percentile(made.heights, DEEPEST))
+    return Normalize(MICRO * deepest, MICRO * float(made.heights.max()))
 
 
-def _lit(ground: Ground, norm: Normalize, every: int = 1) -> Array:
-    """Return the height map as a picture, coloured by depth and lit from the left.
+def _lit(made: BlastedSurface, heights: Array, norm: Normalize, every: int = 1) -> Array:
+    """Return heights, m, as a picture, coloured by depth and lit from the left.
 
     The picture has one in ``every`` cells along the slide.
     """
-    shown = MICRO * ground.heights[:, ::every]
-    steps = {"dx": every * MICRO * ground.step, "dy": MICRO * ground.cell}
-    return np.asarray(LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, **steps))
+    across, along = heights.shape
+    dx = every * MICRO * made.blasting.ground_length / along
+    dy = MICRO * made.blasting.ground_width / across
+    shown = MICRO * heights[:, ::every]
+    return np.asarray(LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, dx=dx, dy=dy))
 
 
-def _show_ground(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage:
+def _show_heights(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage:
     length = MILLIMETRES * made.blasting.ground_length
     width = MILLIMETRES * made.blasting.ground_width
     axes.grid(visible=False)
@@ -96,34 +98,25 @@ def _show_ground(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage:
     return axes.imshow(picture, extent=(0.0, length, 0.0, width), origin="lower", aspect="auto")
 
 
-def _draw_map(axes: Axes, made: BlastedSurface) -> None:
-    norm = _colours(made.heights)
-    ground = Ground(made.body, made.blasting)
-    ground.heights = made.heights
-    _show_ground(axes, made, _lit(ground, norm))
-    scale = add_colour_bar(axes, ScalarMappable(norm, MAP), "min")
-    scale.set_title("µm", fontsize=7.0, color=GREY)
-
-
 def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
     """Draw the profile through the middle of the surface, with the Gaussian mean line subtracted.
 
     The highest and lowest points of each section length are marked.
     """
-    ground = Ground(made.body, made.blasting)
+    step = made.blasting.ground_length / made.heights.shape[1]
     cutoff = made.blasting.cutoff_wavelength
-    profile = roughness_profiles(made.heights[made.heights.shape[0] // 2], ground.step, cutoff)
-    edges = np.rint(np.arange(SECTIONS + 1) * cutoff / ground.step).astype(int)
-    place = MILLIMETRES * ground.step * np.arange(edges[-1])
-    axes.plot(place, MICRO * profile[: edges[-1]], color=BLUE, linewidth=0.8)
+    profile = MICRO * roughness_profiles(made.heights[made.heights.shape[0] // 2], step, cutoff)
+    edges = np.rint(np.arange(SECTIONS + 1) * cutoff / step).astype(int)
+    place = MILLIMETRES * step * np.arange(profile.size)
     for first, last in pairwise(edges.tolist()):
-        section = MICRO * profile[first:last]
-        ends = MILLIMETRES * ground.step * np.array([first, last])
+        section = profile[first:last]
+        ends = MILLIMETRES * step * np.array([first, last])
         axes.fill_between(ends, section.min(), section.max(), color=SKY, alpha=0.25, linewidth=0.0)
         axes.axvline(ends[1], color=GREY, linewidth=0.6)
-        place_of_words = (float(ends.mean()), float(section.max()))
-        note(axes, f"{np.ptp(section):.0f} µm", place_of_words, (0.0, 2.0), ha="center")
-    axes.set_xlim(0.0, MILLIMETRES * ground.step * edges[-1])
+        middle = (float(ends.mean()), float(section.max()))
+        note(axes, f"{np.ptp(section):.0f} µm", middle, (0.0, 2.0), ha="center")
+    axes.plot(place[: edges[-1]], profile[: edges[-1]], color=BLUE, linewidth=0.8)
+    axes.set_xlim(0.0, MILLIMETRES * step * edges[-1])
     axes.margins(y=0.15)
     words = f"along the slide (mm); {SECTIONS} section lengths of {MILLIMETRES * cutoff:g} mm"
     axes.set(xlabel=words, ylabel="roughness (µm)")
@@ -131,13 +124,12 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
 
 def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
     """Draw roughness Rz and coverage over the time under the belt; return the axes of the coverage."""
-    time = time_of(made, made.course["strikes"])
-    axes.axhspan(
-        MICRO * MEASURED_RZ[0], MICRO * MEASURED_RZ[1], color=GREY, alpha=0.2, linewidth=0.0
-    )
-    axes.plot(time, MICRO * made.course["rz"], color=BLUE, marker=".")
-    axes.set_ylim(0.0, 1.1 * MICRO * max(MEASURED_RZ[1], float(made.course["rz"].max())))
-    axes.set_xlim(0.0, time[-1])
+    time = _strike_times(made, made.course["strikes"])
+    roughness = MICRO * made.course["rz"]
+    low, high = MEASURED_RZ
+    axes.axhspan(MICRO * low, MICRO * high, color=GREY, alpha=0.2, linewidth=0.0)
+    axes.plot(time, roughness, color=BLUE, marker=".")
+    axes.set(xlim=(0.0, time[-1]), ylim=(0.0, 1.1 * max(MICRO * high, roughness.max())))
     axes.set_xlabel("time under the belt (s); grey: measured Rz")
     axes.set_ylabel("Rz (µm)", color=BLUE)
     covered = add_right_scale(axes)
@@ -152,6 +144,7 @@ class SurfaceFilm(Film):
 
     size = (800, 500)
 
+    @styled()
     def __init__(
         self,
         made: BlastedSurface,
@@ -162,51 +155,40 @@ class SurfaceFilm(Film):
     ) -> None:
         """Draw the surface before the strikes; ``duration`` is the duration of the film, s."""
         self.made = made
-        self.times = time_of(made, 1.0 + np.arange(made.depths.size))
+        self.times = _strike_times(made, 1.0 + np.arange(made.depths.size))
         warp = slow_motion(0.0, float(self.times[-1]), duration)
         super().__init__(warp, width, height, (BLUE, VERMILION), Scale(1.0, "s"))
         self.ground = Ground(made.body, made.blasting)
-        self.every = -(
-            -made.heights.shape[1] // PIXELS
-        )  # cells along the slide for one in the picture
-        self.norm = _colours(made.heights)
+        # cells along the slide for one in the picture
+        self.every = math.ceil(made.heights.shape[1] / PIXELS)
+        self.norm = _colours(made)
+        axes = self.figure.add_axes((0.075, 0.42, 0.9, 0.57 - HEADER))
+        self.picture = _show_heights(axes, made, self._picture())
         letters = 0.6 * self.letters
-        with styled():
-            axes = self.figure.add_axes((0.075, 0.42, 0.9, 0.91 - HEADER - 0.4 + 0.06))
-            self.picture = _show_ground(axes, made, self._picture())
-            course = self.add_timeline((0.075, 0.1, 0.85, 0.2), letters)
-            covered = _draw_course(course, made)
-            for each in (axes, course, covered):
-                each.tick_params(labelsize=letters)
-                each.yaxis.label.set_fontsize(letters)
-                each.xaxis.label.set_fontsize(letters)
+        course = self.add_timeline((0.075, 0.1, 0.85, 0.2), letters)
+        for each in (axes, course, _draw_course(course, made)):
+            each.tick_params(labelsize=letters)
+            each.xaxis.label.set_fontsize(letters)
+            each.yaxis.label.set_fontsize(letters)
         self.moving = [self.picture, *self.hands]
 
     def _picture(self) -> Array:
-        return _lit(self.ground, self.norm, self.every)
+        return _lit(self.made, self.ground.heights, self.norm, self.every)
 
     def move(self, time: float) -> Sequence[str]:
         """Apply all strikes up to a time, s.
 
         If the time is earlier than the present time, begin again with the unblasted surface.
         """
+        made = self.made
         number = int(np.searchsorted(self.times, time * (1.0 + 1e-12), "right"))
-        done = len(self.ground.taken)
-        if number < done:
-            self.ground = Ground(self.made.body, self.made.blasting)
-            done = 0
-        for (x, y), depth in zip(
-            self.made.places[done:number].tolist(),
-            self.made.depths[done:number].tolist(),
-            strict=True,
-        ):
-            self.ground.strike(x, y, depth)
+        if number < len(self.ground.taken):
+            self.ground = Ground(made.body, made.blasting)
+        for each in range(len(self.ground.taken), number):
+            x, y = made.places[each].tolist()
+            self.ground.strike(x, y, float(made.depths[each]))
         self.picture.set_data(self._picture())
-        course = self.made.course
-        rz = MICRO * float(np.interp(number, course["strikes"], course["rz"]))
-        caption = f"{number} strikes, {3600.0 * self.made.area_rate:.2f} m²/h"
-        return (
-            caption,
-            f"Rz {signed(rz, 0, 4)} µm",
-            f"covered {100.0 * self.ground.coverage:5.1f} %",
-        )
+        rz = MICRO * float(np.interp(number, made.course["strikes"], made.course["rz"]))
+        caption = f"{number} strikes, {3600.0 * made.area_rate:.2f} m²/h"
+        covered = f"covered {100.0 * self.ground.coverage:5.1f} %"
+        return caption, f"Rz {signed(rz, 0, 4)} µm", covered
