@@ -22,7 +22,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from bristle_sim.cli.explore import bench, searches
 from bristle_sim.cli.explore.server import server
-from bristle_sim.cli.scripts import main_scenario
+from bristle_sim.cli.scenario import main_scenario
 
 SIZE = {"width": 1280, "height": 820}
 

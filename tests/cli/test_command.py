@@ -17,7 +17,7 @@ import pytest
 import bristle_sim
 from bristle_sim import version as versions
 from bristle_sim.cli import command
-from bristle_sim.cli.scripts import script_paths
+from bristle_sim.cli.scenario import script_paths
 from bristle_sim.parameters import Bar, Hub, Tool
 from bristle_sim.tool_file import read_tool, write_tool
 from bristle_sim.version import commit

@@ -27,7 +27,7 @@ import pytest
 import tqdm
 
 from bristle_sim.cli import Scenario, command, main, output
-from bristle_sim.cli.scripts import script_paths
+from bristle_sim.cli.scenario import script_paths
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.declared import choice, quantity, validate
 from bristle_sim.version import __version__, named_commit

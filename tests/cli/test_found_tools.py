@@ -13,7 +13,7 @@ import pytest
 import bristle_sim as bs
 from bristle_sim.cli import command
 from bristle_sim.cli.explore.bench import assignments_of, run_of
-from bristle_sim.cli.scripts import main_scenario
+from bristle_sim.cli.scenario import main_scenario
 
 EVERYDAY = [(2500.0, 40.0, 1.0), (3400.0, 30.0, 1.0)]
 """Hub speed, rpm, length, mm, and belt stiffness over the default; the bar stands at 112 and 89 degrees."""

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import pytest
 
 from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.units import Choice, Range
 
 NUMBER = int(os.environ.get("BRISTLE_SIM_COMMAND_LINES", "2"))

@@ -24,7 +24,7 @@ from typing import Any
 import pytest
 
 from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.conversion import conversion
 from bristle_sim.units import Choice, Range, shown
 

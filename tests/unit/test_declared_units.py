@@ -15,7 +15,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import bristle_sim as bs
-from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.conversion import conversion, exact_text
 from bristle_sim.declared import (
     ANY,

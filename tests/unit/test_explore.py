@@ -32,7 +32,7 @@ from bristle_sim.cli.explore import worker as worker_module
 from bristle_sim.cli.explore.entry import explore
 from bristle_sim.cli.explore.server import application, meant_for, server
 from bristle_sim.cli.explore.worker import Worker, Workers
-from bristle_sim.cli.scripts import main_scenario
+from bristle_sim.cli.scenario import main_scenario
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
 from bristle_sim.benchmarks.accuracy_cost.study import TARGETS
 from bristle_sim.cli import Scenario
-from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
 from bristle_sim.render.cost_figure import LEAST, cost_figure, verdict

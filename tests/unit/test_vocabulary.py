@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import bristle_sim as bs
-from bristle_sim.cli.scripts import load_scenario, script_paths
+from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.declared import declarations
 from bristle_sim.parameters import PARTS, tool_keys
 from bristle_sim.settings import EVENTS

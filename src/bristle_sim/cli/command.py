@@ -14,7 +14,7 @@ from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
 from bristle_sim.cli.options import Parser
 from bristle_sim.cli.output import print_error, print_line
-from bristle_sim.cli.scripts import load_scenario, main_scenario, script_paths
+from bristle_sim.cli.scenario import load_scenario, main_scenario, script_paths
 from bristle_sim.declared import UnusualValueWarning
 from bristle_sim.units import likely_key
 from bristle_sim.version import __version__, commit

@@ -14,7 +14,7 @@ from pathlib import Path
 import argcomplete
 
 from bristle_sim.cli.options import parser_of
-from bristle_sim.cli.scripts import load_scenario
+from bristle_sim.cli.scenario import load_scenario
 
 
 def complete(scripts: Mapping[str, Path], commands: Iterable[str]) -> None:

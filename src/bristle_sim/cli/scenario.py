@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import runpy
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -253,3 +254,28 @@ def build_parameters(kind: Any, values: Values) -> Any:
     for name, kinds in PARTS.items() if kind is Tool else ():
         given[name] = build_parameters(kinds[0], values)
     return kind(**given)
+
+
+def script_paths() -> dict[str, Path]:
+    """Return the paths of the scenarios' scripts by name.
+
+    An installed package has the scripts in ``bristle_sim/scenarios``. A work tree has them in
+    ``scenarios/`` beside ``src``.
+    """
+    package = Path(__file__).parents[1]
+    folder = package / "scenarios"
+    if not folder.is_dir():
+        folder = package.parents[1] / "scenarios"
+    return {path.stem: path for path in sorted(folder.glob("*.py"))}
+
+
+def load_scenario(path: Path) -> Scenario:
+    """Execute the script at a path, and return its scenario."""
+    scenario = runpy.run_path(str(path), run_name=f"bristle_sim.scenarios.{path.stem}")["SCENARIO"]
+    assert isinstance(scenario, Scenario)
+    return scenario
+
+
+def main_scenario() -> Scenario:
+    """Return the scenario of the whole pass, which the commands such as ``compare`` use."""
+    return load_scenario(script_paths()["cue_and_impact"])

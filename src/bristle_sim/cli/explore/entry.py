@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from bristle_sim.cli.output import print_line
-from bristle_sim.cli.scenario import Scenario
-from bristle_sim.cli.scripts import main_scenario
+from bristle_sim.cli.scenario import Scenario, main_scenario
 from bristle_sim.trajectory.pictures import Html
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 
 from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.worker import Workers
-from bristle_sim.cli.scripts import main_scenario
+from bristle_sim.cli.scenario import main_scenario
 from bristle_sim.render.report import explore_page
 
 OF_THE_PAGE = ("pin", "on", "fine")  # parts of a request that are not parameters of the tool

@@ -217,7 +217,7 @@ def work() -> None:
     threading.Thread(target=read, daemon=True).start()
     warnings.simplefilter("ignore")  # the page shows what the user has to know
     from bristle_sim.cli.explore import bench
-    from bristle_sim.cli.scripts import main_scenario
+    from bristle_sim.cli.scenario import main_scenario
 
     kinds: dict[str, Callable[..., Answer]] = {
         "run": bench.run_of,
