@@ -91,6 +91,60 @@ def test_wants_that_conflict_are_named_with_the_best_compromises():
         bs.design(FREE, want={"tip_speed_at_contact": 20}, vary={"hub_speed": (100, 500)}).plot()
 
 
+def test_a_limit_that_no_tool_meets_is_named() -> None:
+    """Without the bar the tip moves at omega (r_h + L), at least 100 REACH here."""
+    vary = {"hub_speed": (100.0, 500.0)}
+    most = {"tip_speed_at_contact": 50.0 * REACH}
+    found = bs.design(FREE, vary=vary, at_most=most, minimize="normal_final_impulse")
+    assert found.conflict == ("tip_speed_at_contact",)
+    assert found.answer.startswith(
+        f"No tool in these ranges has a tip speed v_C of at most {50.0 * REACH:.5g} m/s; the nearest: "
+    )
+    assert found.varied["hub_speed"] == pytest.approx(100.0, rel=1e-6)
+    assert not found.kept
+    both = bs.design(
+        FREE,
+        vary=vary,
+        at_most=most,
+        want={"normal_final_impulse": found.before["normal_final_impulse"]},
+    )
+    assert both.conflict == ("tip_speed_at_contact",)
+
+
+def test_a_want_and_a_limit_that_contradict_each_other_have_a_curve() -> None:
+    """The impulse is proportional to the speed: half the impulse at a hub speed of 300 needs 150."""
+    vary = {"hub_speed": (100.0, 500.0)}
+    impulse = float(bs.ensemble(FREE, hub_speed=150.0).normal_final_impulse)
+    found = bs.design(
+        FREE,
+        vary=vary,
+        want={"tip_speed_at_contact": 300.0 * REACH},
+        at_most={"normal_final_impulse": impulse},
+    )
+    assert found.conflict == ("tip_speed_at_contact", "normal_final_impulse")
+    assert "at most" in found.answer
+    speeds = found.trade_off["hub_speed"]
+    assert speeds[[0, -1]] == pytest.approx([300.0, 150.0], rel=1e-5)
+    assert (np.diff(speeds) < 0.0).all()
+
+
+def test_a_limit_above_the_wanted_value_changes_nothing() -> None:
+    want = {"tip_speed_at_contact": 300.0 * REACH}
+    vary = {"hub_speed": (100.0, 500.0)}
+    found = bs.design(FREE, vary=vary, want=want, at_most={"tip_speed_at_contact": 400.0 * REACH})
+    assert found.varied["hub_speed"] == pytest.approx(300.0, rel=1e-7)
+
+
+def test_a_key_without_effect_keeps_its_value() -> None:
+    """At the end of its range too; where no key needs to change, none does, to the search's tolerance."""
+    found = bs.design(
+        FREE,
+        want={"tip_speed_at_contact": 300.0 * REACH},
+        vary={"hub_speed": (100.0, 500.0), "friction": (FREE.workpart.friction, 0.6)},
+    )
+    assert found.varied["friction"] == pytest.approx(FREE.workpart.friction, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -98,9 +152,17 @@ def test_wants_that_conflict_are_named_with_the_best_compromises():
         ({"want": {"tip_speed_at_contact": "1 kg"}, "vary": {"hub_speed": (1, 2)}}, "kg"),
         ({"want": {"tip_speed_at_contact": 1}, "vary": {"hub_sped": (1, 2)}}, "did you mean hub"),
         ({"want": {"tip_speed_at_contact": 1}, "vary": {"hub_speed": (2, 2)}}, "two different"),
-        ({"want": {"tip_speed_at_contact": 1}, "vary": {"wire_links": (1, 2)}}, "continuous"),
+        ({"want": {"tip_speed_at_contact": 1}, "vary": {"wire_links": (1, 2)}}, "real numbers"),
         ({"want": {"tip_speed_at_contact": 1}, "vary": {}}, "at least one key"),
         ({"vary": {"hub_speed": (100, 200)}}, "must be given"),
+        (
+            {
+                "want": {"tip_speed_at_contact": 36},
+                "at_most": {"tip_speed_at_contact": "30 m/s"},
+                "vary": {"hub_speed": (100, 200)},
+            },
+            "36: must be at most its upper limit, 30",
+        ),
         ({"want": {"tip_speed_at_contact": 1}, "vary": {"friction": (0.1, 0.2)}}, "depend"),
         ({"want": {"tip_speed_at_contact": 9}, "vary": {"penetration": (-0.03, -0.02)}}, "no tool"),
     ],

@@ -222,9 +222,30 @@ def test_limits_are_those_of_the_closed_forms():
 
 
 @pytest.mark.parametrize(
+    ("key", "ends", "outcomes"),
+    [
+        ("start_hub_angle_deg", (-90.0, -68.0), ["reverses its slip", "refused"]),
+        ("bar_horizontal", ("36 mm", "38 mm"), ["refused", "reverses its slip"]),
+        ("restitution", (0.0, 0.01), ["stays", "rebounds"]),
+        ("tangential_compliance", (0.0, 1.5), ["reverses its slip", "rebounds"]),
+    ],
+)
+def test_limits_of_refused_tools_and_at_an_end_of_the_range_are_confirmed(
+    key: str, ends: tuple[float, float], outcomes: list[str]
+) -> None:
+    """A bar in the wire, a wire that folds back, a rebound from the least restitution on, and two changes within the accuracy."""
+    tool = TOOL.replace(friction=0.5 if key == "restitution" else 0.45)
+    (change,) = bs.limits(tool, **{key: ends})  # type: ignore[arg-type]
+    assert [change.below, change.above] == outcomes
+    assert change.confirmed
+
+
+@pytest.mark.parametrize(
     "between",
     [
         {},
+        {"progress": (0.1, 0.2)},
+        {"wire_links": (1, 4)},
         {"friction": 0.1},
         {"friction": (0.1, 0.1)},
         {"friction": (0.1, math.inf)},

@@ -10,12 +10,11 @@ import dataclasses
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from bristle_sim.cli.main import MISSED
 from bristle_sim.cli.options import Content, add_options, deliver, files_of
 from bristle_sim.cli.output import json_of, print_error
-from bristle_sim.cli.scenario import Scenario, Values, build_parameters
+from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.readable import aligned, readable_unit
 from bristle_sim.studies.design import Design, design
@@ -50,24 +49,39 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     found = design(
         build_parameters(Tool, values),
         want=_pairs("--want", options.want),
-        vary={key: _ends(key, text) for key, text in _pairs("--vary", options.vary).items()},
+        vary=_pairs("--vary", options.vary),
         at_most=_pairs("--max", options.max),
         minimize=options.minimize,
         maximize=options.maximize,
     )
-    text = json_of("design", found.answer, values, **_fields(found, values))
+    keys = {key for part in tool_keys().values() for key in part}
+    text = json_of(
+        "design",
+        found.answer,
+        values,
+        outcome=found.report.outcome,
+        tool={key: value for key, value in values.items() if key in keys} | found.varied,
+        quantities=[each.as_dict() for each in found.report.quantities],
+        wants=[dataclasses.asdict(each) for each in found.wants],
+        sensitivity=found.sensitivity,
+        kept=found.kept,
+        remarks=found.remarks,
+        conflict=found.conflict,
+        trade_off=found.trade_off,
+        check=dataclasses.asdict(found.check),
+    )
     if not found.trade_off and "plot" in targets:
         del targets["plot"]
-        print_error("--plot: left out, as no two wants conflict")
+        print_error("--plot: left out, as no two wants or limits conflict")
 
     def plot(target: Path) -> None:
-        """Draw the trade-off between two wanted quantities."""
+        """Draw the trade-off between two conditions that conflict."""
         from bristle_sim.render.style import save_figure
 
         save_figure(found.plot(), target)
 
     made: dict[str, Content] = {"plot": plot, "write_tool": partial(write_tool, found.tool)}
-    lines = [found.answer, *found.remarks, "", *_tables(found)]
+    lines = [found.answer, *found.remarks, "", *_table(found)]
     deliver(options, targets, made | {"json": text}, "\n".join(lines))
     return MISSED if found.conflict else 0
 
@@ -83,34 +97,7 @@ def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _ends(key: str, text: str) -> list[str]:
-    """Split a typed range FROM:TO of a parameter, and return the texts of its two ends."""
-    ends = text.split(":")
-    if len(ends) != 2:
-        raise ValueError(
-            f"--vary '{key}={text}': must be KEY=FROM:TO, such as hub_speed=2000rpm:3000rpm"
-        )
-    return ends
-
-
-def _fields(found: Design, values: Values) -> dict[str, Any]:
-    """Return the entries of the JSON output; ``values`` are the parameters of the given tool."""
-    keys = {key for part in tool_keys().values() for key in part}
-    return {
-        "outcome": found.report.outcome,
-        "tool": {key: value for key, value in values.items() if key in keys} | found.varied,
-        "quantities": [each.as_dict() for each in found.report.quantities],
-        "wants": [dataclasses.asdict(each) for each in found.wants],
-        "sensitivity": found.sensitivity,
-        "kept": found.kept,
-        "remarks": found.remarks,
-        "conflict": found.conflict,
-        "trade_off": found.trade_off,
-        "check": dataclasses.asdict(found.check),
-    }
-
-
-def _tables(found: Design) -> list[str]:
+def _table(found: Design) -> list[str]:
     """Return the lines of a table of the quantities of the given tool and of the tool found.
 
     Further columns hold the change of each quantity if a varied parameter grows by 1 %.

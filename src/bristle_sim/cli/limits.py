@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 from bristle_sim.cli.options import add_options, deliver, files_of
 from bristle_sim.cli.output import json_of
@@ -12,7 +13,8 @@ from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import aligned
 from bristle_sim.studies.limits import Change, limits
-from bristle_sim.units import Range, displayed, likely_key
+from bristle_sim.studies.many_passes import checked_range
+from bristle_sim.units import Range, displayed
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
@@ -30,27 +32,18 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     add_options(parser, "set", "json")
     options = parser.parse_args(arguments)
     key, _, ends = options.range.partition("=")
-    keys = pass_of.keys()
-    if key not in keys:
-        raise ValueError(f"{options.range!r}: unknown key {key!r}; {likely_key(key, keys)}")
-    declared = keys[key][0]
-    if not isinstance(declared, Range) or declared.whole:
-        raise ValueError(
-            f"{options.range!r}: {key} must be a key of real numbers, such as friction=0.1:0.6"
-        )
-    if ends.count(":") != 1:
-        raise ValueError(f"{options.range!r}: must be KEY=FROM:TO, such as friction=0.1:0.6")
     targets = files_of(options)
     values = pass_of.values_of(options.set)
     tool = build_parameters(Tool, values)
-    low, high = (float(declared.parse(end)) for end in ends.split(":"))
-    changes = limits(tool, accuracy=1e-8, **{key: (low, high)})
-    unit = "" if declared.unit == "1" else f" {declared.unit}"
+    low, high = checked_range(tool, key, ends)
+    between: dict[str, Any] = {key: (low, high)}
+    changes = limits(tool, **between)
+    declared: Any = pass_of.keys()[key][0]
     answer = limits_in_words(declared, low, high, changes)
-    found = [dataclasses.asdict(each) for each in changes]
-    text = json_of("limits", answer, values, changes=found)
-    rows = [[f"{key}{unit and f' ({declared.unit})'}", "below", "above"]]
-    rows += [[f"{each.at:.9g}", each.below, each.above] for each in changes]
+    text = json_of("limits", answer, values, changes=[dataclasses.asdict(each) for each in changes])
+    unit, size = declared.display
+    rows = [[f"{key} ({unit})" if unit else key, "below", "above"]]
+    rows += [[f"{each.at / size:.9g}", each.below, each.above] for each in changes]
     table = ["", *aligned(rows, 0)] if changes else []
     deliver(options, targets, {"json": text}, "\n".join([answer, *table]))
     return 0

@@ -1,42 +1,51 @@
 """Search of the ranges of some parameters for the tool whose pass has wanted quantities, with
 passes computed in arrays.
 
-Every parameter is expressed as a fraction, from 0 to 1, of its range. Differential evolution (R.
-Storn and K. Price, *Journal of Global Optimization* 11 (1997) 341-359) with an exact penalty on the
-wants finds starting points. Least squares and sequential quadratic programming refine them.
+Every parameter is expressed as a fraction, from 0 to 1, of its range. A survey of the ranges, by
+points of a Sobol sequence, gives the starts, and differential evolution (R. Storn and K. Price,
+*Journal of Global Optimization* 11 (1997) 341-359) with an exact penalty on the misses gives
+further ones. Least squares meet the conditions from there, and sequential quadratic programming
+improves the goal while they stay met.
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares, minimize
 from scipy.stats.qmc import Sobol
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, Number
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import key_values
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
 
 SEED = 1
-FIRST = 1024  # number of passes of the first survey of the ranges; fewer passes would take as long
+SURVEYED = 1024  # number of passes of the survey; fewer passes would take as long
 POPULATION = 256
 GENERATIONS = 30
-STARTS = 4  # number of best points of a population that are refined
+STARTS = 4  # number of best points of the survey, and of the evolved population, that are refined
 # Step of a fraction in a finite difference. The truncation error is some 1e-10, as large as the error
 # of the passes.
 DIFFERENCE = 1e-5
 SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
-# Penalty for a miss of one standard deviation of the wanted quantity; a goal changes by only a few of
-# its standard deviations.
+# Penalty for a miss of one standard deviation of a quantity; a goal changes by only a few of its
+# standard deviations.
 PENALTY = 30.0
 NO_STRIKE = 1e6  # value that is minimised, for a pass without the quantities
-MET = 1e-6  # largest miss at which a want counts as met, in standard deviations of the quantity
+MET = (
+    1e-6  # largest miss at which a condition counts as met, in standard deviations of the quantity
+)
 MOST_STEPS = 60  # largest number of iterations of a refinement
+CURVE_POINTS = 25
+# Weight of the condition that a point of the curve meets; its miss is then some 1e-6 of its standard
+# deviation
+STIFFNESS = 1e3
 
 Function = Callable[[Array], Array]
 """Function of fractions of the parameters' ranges, shape (parameters, points), that returns values at
@@ -49,27 +58,31 @@ class NoSolutionError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """The statement of a design: wanted values, upper limits, ranges of the varied parameters, and
-    the goal.
+    """The statement of a design: its conditions, the ranges of the varied parameters, and the goal.
+
+    A condition is a wanted value of a quantity, or an upper limit. The wanted values come first.
 
     Attributes:
         tool: the tool that gives the values of all other parameters.
         vary: the two ends of each parameter's range.
         want: wanted values, by quantity.
         at_most: upper limits, by quantity.
-        goal: quantity that is minimised if several tools meet the wants; without a goal the change
-            of the parameters is minimised.
+        goal: quantity that is minimised if several tools meet the conditions; without a goal the
+            change of the parameters is minimised.
         sense: 1 to minimise the goal, -1 to maximise it.
-        spread: standard deviation of each quantity over the ranges, in which misses are measured.
     """
 
     tool: Tool
     vary: dict[str, tuple[float, float]]
     want: dict[str, float]
     at_most: dict[str, float]
-    goal: str = ""
-    sense: float = 1.0
-    spread: dict[str, float] = field(default_factory=dict)
+    goal: str
+    sense: float
+
+    @property
+    def conditions(self) -> dict[str, float]:
+        """The wanted values and the upper limits, by quantity."""
+        return self.want | self.at_most
 
     def keys_at(self, fractions: Array) -> dict[str, Array]:
         """Return the values of the varied parameters at fractions of their ranges, shape
@@ -85,101 +98,211 @@ class Question:
         """
         return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
-    def present(self) -> Array:
-        """Return the tool's own values as fractions of the ranges; a value outside its range is
-        moved to the nearest end.
-        """
-        own = key_values(self.tool)
-        found = [(own[key] - low) / (high - low) for key, (low, high) in self.vary.items()]
-        return np.asarray(np.nan_to_num(np.clip(found, 0.0, 1.0), nan=0.5))
 
-    def misses(self, fractions: Array, wants: Collection[str]) -> Array:
-        """Return by how much passes miss wants and exceed upper limits, in standard deviations of
-        the quantities.
+class Search:
+    """The search for the answer to a question, in passes computed in arrays.
 
-        A quantity below its limit gives 0. The shape is (wants and limits, points).
+    Attributes:
+        question: the question.
+        surveyed: points of the survey whose passes have all quantities, as fractions of the ranges,
+            shape (parameters, points).
+        spread: standard deviation of each quantity over the survey, in which misses are measured.
+        present: the tool's own values as fractions of the ranges; a value outside its range is moved
+            to the nearest end.
+    """
+
+    def __init__(self, question: Question) -> None:
+        """Survey the ranges.
+
+        Raises:
+            NoSolutionError: if no pass has all quantities, or a quantity does not depend on the
+                parameters.
         """
-        found = self.passes(fractions)
-        missed = [(found[name] - self.want[name]) / self.spread[name] for name in wants]
-        over = [(found[name] - most) / self.spread[name] for name, most in self.at_most.items()]
-        both = [*missed, *np.maximum(over, 0.0)]
-        return np.array(both) if both else np.zeros((0, fractions.shape[1]))
+        fractions = Sobol(len(question.vary), seed=SEED).random(SURVEYED).T
+        found = question.passes(fractions)
+        names = {*question.conditions, *filter(None, [question.goal])}
+        known = np.all([np.isfinite(found[name]) for name in names], axis=0)
+        if not known.any():
+            words, numbers = np.unique(found[OUTCOME], return_counts=True)
+            most = words[numbers.argmax()]
+            reason = found[REASON][found[OUTCOME] == most][0]
+            raise NoSolutionError(f"no tool in these ranges has such a pass: it {most}; {reason}")
+        self.question = question
+        self.surveyed = fractions[:, known]
+        self.spread = {name: float(found[name][known].std()) for name in names}
+        for name, spread in self.spread.items():
+            if spread <= 1e-9 * np.abs(found[name][known]).max():
+                raise NoSolutionError(
+                    f"{name}: does not depend on {', '.join(question.vary)}; vary another key"
+                )
+        own = key_values(question.tool)
+        present = [(own[key] - low) / (high - low) for key, (low, high) in question.vary.items()]
+        self.present = np.nan_to_num(np.clip(present, 0.0, 1.0), nan=0.5)
 
     def costs(self, fractions: Array) -> Array:
-        """Return the goal, the misses of the wants, and the excesses over the upper limits, in
+        """Return the goal, and by how much the quantities exceed the values of the conditions, in
         standard deviations of the quantities.
 
-        An excess is negative below the limit. The shape is (1 + wants and limits, points).
+        The shape is (1 + conditions, points).
         """
-        found = self.passes(fractions)
-        goal = np.sum((fractions - self.present()[:, np.newaxis]) ** 2, axis=0)
-        if self.goal:
-            goal = self.sense * found[self.goal] / self.spread[self.goal]
-        limits = self.want | self.at_most
-        return np.array(
-            [goal, *((found[name] - value) / self.spread[name] for name, value in limits.items())]
+        question = self.question
+        found = question.passes(fractions)
+        goal = np.sum((fractions - self.present[:, np.newaxis]) ** 2, axis=0)
+        if question.goal:
+            goal = question.sense * found[question.goal] / self.spread[question.goal]
+        conditions = question.conditions.items()
+        excesses = [(found[name] - value) / self.spread[name] for name, value in conditions]
+        return np.array([goal, *excesses])
+
+    def misses(self, fractions: Array) -> Array:
+        """Return by how much passes miss the conditions, in standard deviations of the quantities;
+        a quantity below its upper limit gives 0.
+
+        The shape is (conditions, points).
+        """
+        found = self.costs(fractions)[1:]
+        limits = slice(len(self.question.want), None)
+        found[limits] = np.maximum(found[limits], 0.0)
+        return found
+
+    def solution(self) -> tuple[Array, bool]:
+        """Return the point at which all conditions are met and the goal is least, as fractions.
+
+        Returns:
+            The point, and whether the conditions are met; if they cannot all be met, the point at
+                which they are missed least.
+        """
+
+        def merit(fractions: Array) -> Array:
+            missed = np.abs(self.misses(fractions)).sum(axis=0)
+            found = self.costs(fractions)[0] + PENALTY * missed
+            return np.asarray(np.nan_to_num(found, nan=NO_STRIKE))
+
+        population = np.resize(np.argsort(merit(self.surveyed)), POPULATION)
+        evolved = differential_evolution(
+            merit,
+            [(0.0, 1.0)] * len(self.surveyed),
+            init=self.surveyed[:, population].T,
+            maxiter=GENERATIONS,
+            polish=False,
+            seed=SEED,
+            vectorized=True,
+            updating="deferred",
         )
+        best = np.argsort(evolved.population_energies)[:STARTS]
+        nearest = self.nearest(np.ones(len(self.question.conditions)))
+        places = [self._closest(start, self.misses) for start in evolved.population[best]]
+        met = [each for each in [*places, nearest] if self.largest_miss(each) <= MET]
+        if not met:
+            return nearest, False
+        found = np.transpose([self._improved(each) for each in met])
+        return found[:, self.costs(found)[0].argmin()], True
 
+    def nearest(
+        self, weights: Array, missed: Number = 0.0, starts: Sequence[Array] | None = None
+    ) -> Array:
+        """Return the point at which the sum of squares of the weighted misses is least, as
+        fractions.
 
-def look_over(question: Question) -> Array:
-    """Survey the ranges: store the standard deviations of the quantities in the question, and
-    return the points whose passes have all quantities.
+        Args:
+            weights: weights of the conditions.
+            missed: misses that do not count, shape (conditions, 1).
+            starts: points from which the search starts; by default the best of the survey.
+        """
 
-    Returns:
-        Fractions of the ranges, shape (parameters, points).
+        def weighted(fractions: Array) -> Array:
+            return np.asarray(weights[:, np.newaxis] * (self.misses(fractions) - missed))
 
-    Raises:
-        NoSolutionError: if no pass has all quantities, or a quantity does not depend on the
-            parameters.
-    """
-    fractions = Sobol(len(question.vary), seed=SEED).random(FIRST).T
-    found = question.passes(fractions)
-    names = {*question.want, *question.at_most, *filter(None, (question.goal,))}
-    known = np.all([np.isfinite(found[name]) for name in names], axis=0)
-    if not known.any():
-        words, numbers = np.unique(found[OUTCOME], return_counts=True)
-        reason = found[REASON][found[OUTCOME] == words[numbers.argmax()]][0]
-        raise NoSolutionError(
-            f"no tool in these ranges has such a pass: it {words[numbers.argmax()]}; {reason}"
+        def merit(fractions: Array) -> Array:
+            return np.asarray((weighted(fractions) ** 2).sum(axis=0))
+
+        starts = self._starts(merit) if starts is None else starts
+        places = [self._closest(start, weighted) for start in starts]
+        return places[int(np.argmin(merit(np.transpose(places))))]
+
+    def conflict(self) -> tuple[str, ...]:
+        """Return the smallest set of conditions that cannot be met together."""
+        names = tuple(self.question.conditions)
+        for number in range(1, len(names)):
+            for chosen in itertools.combinations(names, number):
+                weights = np.array([float(name in chosen) for name in names])
+                if self.largest_miss(self.nearest(weights), weights) > MET:
+                    return chosen
+        return names
+
+    def trade_off(self, pair: tuple[str, ...]) -> Array:
+        """Return points of the curve of best compromises between two conditions, as fractions, shape
+        (parameters, points).
+
+        The first condition is met at the first point, the second condition at the last point.
+        """
+        names = tuple(self.question.conditions)
+        first, second = (names.index(name) for name in pair)
+        weights = np.where(np.arange(len(names)) < len(self.question.want), 0.0, STIFFNESS)
+        weights[first] = 1.0
+        weights[second] = STIFFNESS
+        curve = [self.nearest(weights)]
+        missed = np.zeros((len(names), 1))
+        missed[first] = self.misses(curve[0][:, np.newaxis])[first]
+        weights[first] = STIFFNESS
+        weights[second] = 1.0
+        for part in np.linspace(1.0, 0.0, CURVE_POINTS)[1:]:
+            curve.append(self.nearest(weights, part * missed, curve[-1:]))
+        return np.array(curve[::-1]).T
+
+    def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
+        """Return the largest weighted miss at a point."""
+        return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
+
+    def _starts(self, merit: Function) -> list[Array]:
+        """Return the points of the survey at which a function is least."""
+        return [*self.surveyed[:, np.argsort(merit(self.surveyed))[:STARTS]].T]
+
+    def _closest(self, start: Array, function: Function) -> Array:
+        """Return the point near a start at which the sum of squares of a function's values is
+        least, as fractions.
+        """
+        if not self.question.conditions:
+            return start
+        at = with_derivatives(function)
+        found = least_squares(
+            lambda place: at(place)[0],
+            start,
+            lambda place: at(place)[1],
+            bounds=(0.0, 1.0),
+            xtol=1e-13,
+            ftol=1e-13,
+            gtol=1e-13,
+            max_nfev=MOST_STEPS,
         )
-    for name in names:
-        values = found[name][known]
-        question.spread[name] = float(values.std())
-        if question.spread[name] <= 1e-9 * np.abs(values).max():
-            raise NoSolutionError(
-                f"{name}: does not depend on {', '.join(question.vary)}; vary another key"
-            )
-    return np.asarray(fractions[:, known])
+        return np.asarray(found.x)
 
-
-def met(question: Question, start: Array, wants: Collection[str]) -> tuple[Array, float]:
-    """Return the point near a start at which wants and limits are met best, as fractions, and its
-    largest miss.
-    """
-    missed = functools.partial(question.misses, wants=wants)
-    found = _least_squares(missed, start) if wants or question.at_most else start
-    return found, float(np.abs(missed(found[:, np.newaxis])).max(initial=0.0))
-
-
-def _least_squares(function: Function, start: Array) -> Array:
-    """Return the point near a start at which the sum of squares of a function's values is least, as
-    fractions.
-    """
-    at = with_derivatives(function)
-    inside = np.clip(start, 1e-6, 1.0 - 1e-6)
-    if not np.isfinite(at(inside)[0]).all():
-        return start
-    found = least_squares(
-        lambda place: at(place)[0],
-        inside,
-        lambda place: at(place)[1],
-        bounds=(0.0, 1.0),
-        xtol=1e-13,
-        ftol=1e-13,
-        gtol=1e-13,
-        max_nfev=MOST_STEPS,
-    )
-    return np.asarray(found.x)
+    def _improved(self, start: Array) -> Array:
+        """Return the point near a start at which the goal is least while the conditions stay met,
+        as fractions; the start itself if that fails.
+        """
+        at = with_derivatives(lambda place: np.nan_to_num(self.costs(place), nan=NO_STRIKE))
+        wants = slice(1, 1 + len(self.question.want))
+        limits = slice(wants.stop, None)
+        conditions = [
+            {
+                "type": kind,
+                "fun": lambda place, rows=rows: -at(place)[0][rows],
+                "jac": lambda place, rows=rows: -at(place)[1][rows],
+            }
+            for kind, rows in (("eq", wants), ("ineq", limits))
+        ]
+        found = minimize(
+            lambda place: at(place)[0][0],
+            start,
+            jac=lambda place: at(place)[1][0],
+            bounds=[(0.0, 1.0)] * start.size,
+            constraints=conditions,
+            method="SLSQP",
+            options={"ftol": 1e-12, "maxiter": MOST_STEPS},
+        )
+        place = np.asarray(np.clip(found.x, 0.0, 1.0))
+        return place if self.largest_miss(place) <= MET else start
 
 
 def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array]]:
@@ -201,128 +324,3 @@ def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array
         return values[:, 0], np.nan_to_num((highs - lows) / np.diagonal(high - low))
 
     return lambda place: at(place.tobytes())
-
-
-def evolved(merit: Function, first: Array) -> Array:
-    """Minimise a function by differential evolution from a first population.
-
-    Returns:
-        The best points of the last population as fractions, the best first, shape (parameters,
-        STARTS).
-    """
-    order = np.argsort(merit(first))[:POPULATION]
-    population = first[:, order].T
-    if len(population) < POPULATION:
-        random = np.random.default_rng(SEED).random((POPULATION - len(population), len(first)))
-        population = np.concatenate([population, random])
-    found = differential_evolution(
-        merit,
-        [(0.0, 1.0)] * len(first),
-        init=population,
-        maxiter=GENERATIONS,
-        polish=False,
-        seed=SEED,
-        vectorized=True,
-        updating="deferred",
-    )
-    best = np.argsort(found.population_energies)[:STARTS]
-    return np.asarray(found.population[best].T)
-
-
-def solution(question: Question, first: Array) -> Array | None:
-    """Return the point at which all wants and limits are met and the goal is least, as fractions.
-
-    It is None if they cannot all be met.
-    """
-    wants = len(question.want)
-
-    def merit(fractions: Array) -> Array:
-        """Return the value that is minimised: the goal plus the penalty for misses."""
-        goal, *rest = question.costs(fractions)
-        missed = np.abs(rest[:wants]).sum(axis=0) + np.maximum(rest[wants:], 0.0).sum(axis=0)
-        return np.asarray(np.nan_to_num(goal + PENALTY * missed, nan=NO_STRIKE))
-
-    best: tuple[float, Array] | None = None
-    for start in evolved(merit, first).T:
-        place, miss = met(question, start, question.want)
-        if miss > MET:
-            continue
-        if question.goal or len(question.vary) > wants:
-            place, miss = met(question, _least_goal(question, place), question.want)
-        value = float(question.costs(place[:, np.newaxis])[0, 0])
-        if miss <= MET and (best is None or value < best[0]):
-            best = value, place
-    return None if best is None else best[1]
-
-
-def _least_goal(question: Question, start: Array) -> Array:
-    """Return the point near a start at which the goal is least while wants and limits are met, as
-    fractions.
-    """
-    wants = slice(1, 1 + len(question.want))
-    limits = slice(1 + len(question.want), None)
-
-    at = with_derivatives(lambda place: np.nan_to_num(question.costs(place), nan=NO_STRIKE))
-    constraints = [
-        {
-            "type": kind,
-            "fun": lambda place, part=part, sign=sign: sign * at(place)[0][part],
-            "jac": lambda place, part=part, sign=sign: sign * at(place)[1][part],
-        }
-        for kind, part, sign in (("eq", wants, 1.0), ("ineq", limits, -1.0))
-    ]
-    found = minimize(
-        lambda place: at(place)[0][0],
-        start,
-        jac=lambda place: at(place)[1][0],
-        bounds=[(0.0, 1.0)] * start.size,
-        constraints=constraints,
-        method="SLSQP",
-        options={"ftol": 1e-12, "maxiter": MOST_STEPS},
-    )
-    return np.asarray(np.clip(found.x, 0.0, 1.0))
-
-
-def nearest(question: Question, first: Array, wants: Collection[str]) -> tuple[Array, float]:
-    """Return the point at which wants and limits are missed least, as fractions, and its largest
-    miss.
-    """
-
-    def merit(fractions: Array) -> Array:
-        squares = (question.misses(fractions, wants) ** 2).sum(axis=0)
-        return np.asarray(np.nan_to_num(squares, nan=NO_STRIKE))
-
-    starts = first[:, np.argsort(merit(first))[:STARTS]]
-    found = [met(question, start, wants) for start in starts.T]
-    sums = [merit(place[:, np.newaxis])[0] for place, _ in found]
-    return found[int(np.argmin(sums))]
-
-
-CURVE_POINTS = 25
-# Weight of the want that a point of the curve meets; its miss is then some 1e-6 of its standard deviation
-STIFFNESS = 1e3
-
-
-def trade_off(question: Question, start: Array, pair: tuple[str, str]) -> Array:
-    """Return points of the curve of best compromises between two wants, as fractions, shape
-    (parameters, points).
-
-    The first want is met at the first point, the second want at the last point.
-    """
-    limits = [STIFFNESS] * len(question.at_most)
-    held = question.want[pair[0]]
-    spread = question.spread[pair[0]]
-
-    def best(place: Array, value: float, weights: tuple[float, float]) -> Array:
-        """Return the best compromise near a point if the first want had another value."""
-        factors = np.array([*weights, *limits])[:, np.newaxis]
-        shift = np.array([held - value, *[0.0] * (len(limits) + 1)])[:, np.newaxis] / spread
-        return _least_squares(lambda each: (question.misses(each, pair) + shift) * factors, place)
-
-    place = best(start, held, (1.0, STIFFNESS))
-    end = float(question.passes(place[:, np.newaxis])[pair[0]][0])
-    curve = [place]
-    for value in np.linspace(end, held, CURVE_POINTS)[1:]:
-        place = best(place, value, (STIFFNESS, 1.0))
-        curve.append(place)
-    return np.array(curve[::-1]).T

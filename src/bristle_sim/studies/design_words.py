@@ -17,10 +17,13 @@ DECIMALS = 4  # decimals of a quantity in its readable unit; further decimals ar
 
 
 def tool_in_words(
-    question: Question, varied: Mapping[str, float], reached: Mapping[str, float | None]
+    question: Question,
+    varied: Mapping[str, float],
+    reached: Mapping[str, float | None],
+    outcome: str,
 ) -> str:
     """Return the clause on the tool found and on its pass: the quantities wanted, limited, or
-    minimised.
+    minimised, and the outcome.
 
     ``varied`` holds the parameters of the tool, ``reached`` the quantities of its pass.
     """
@@ -30,17 +33,20 @@ def tool_in_words(
     parts |= {name: f"a {_quantity(name, reached[name])}" for name in question.want}
     if question.goal:
         parts[question.goal] = f"the {extreme} {_quantity(question.goal, reached[question.goal])}"
-    return f"with {tool} the pass has {listed([*parts.values()])}"
+    return f"with {tool} the pass has {listed([*parts.values()])}, and the tip {outcome}"
 
 
 def conflict_in_words(question: Question, conflict: Sequence[str]) -> str:
-    """Return the clause that no tool in the ranges meets all of the conflicting wants."""
-    wanted = listed([f"a {_quantity(name, question.want[name])}" for name in conflict])
-    return f"no tool in these ranges has {'both ' if len(conflict) == 2 else ''}{wanted}"
+    """Return the clause that no tool in the ranges meets all of the conflicting conditions."""
+    parts = [
+        f"a {_quantity(name, question.conditions[name], '' if name in question.want else 'at most ')}"
+        for name in conflict
+    ]
+    return f"no tool in these ranges has {'both ' if len(conflict) == 2 else ''}{listed(parts)}"
 
 
 def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
-    """Return the sentence on the two ends of the trade-off between two wants."""
+    """Return the sentence on the two ends of the trade-off between two conditions."""
     ends = [
         " with a ".join(_quantity(name, float(curve[name][end])) for name in conflict)
         for end in (0, -1)
@@ -59,13 +65,13 @@ def listed(parts: Sequence[str]) -> str:
     return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
 
 
-def _quantity(name: str, value: float | None) -> str:
+def _quantity(name: str, value: float | None, most: str = "") -> str:
     """Return a quantity with its value and unit, for example ``tip speed v_C of 36 m/s``."""
     label, unit = QUANTITIES[name]
     if value is None:
         return f"{label} of none"
     size = readable_unit(unit, [value])[1]
-    return f"{label} of {amount((round(value / size, DECIMALS) + 0.0) * size, unit, 5)}"
+    return f"{label} of {most}{amount((round(value / size, DECIMALS) + 0.0) * size, unit, 5)}"
 
 
 def _key(key: str, value: float) -> str:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.ensemble import ensemble
-from bristle_sim.passes.result import Ensemble
-from bristle_sim.studies.many_passes import SCENE, scene_pass, unable
+from bristle_sim.studies.many_passes import SCENE, checked_range, scene_pass
 from bristle_sim.units import shown
 
 POINTS = 2000
@@ -70,58 +67,40 @@ def limits(
             200 changes.
     """
     tool = Tool() if tool is None else tool
-    if reason := unable(tool):
-        raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
     if len(between) != 1:
         raise ValueError(f"limits of {', '.join(between) or 'no key'}: must be those of one key")
     ((key, ends),) = between.items()
-    if not isinstance(ends, list | tuple) or len(ends) != 2:
-        raise ValueError(f"{key} = {shown(ends)}: must be the two ends of a range")
-
-    def passes(values: Any) -> Ensemble:
-        given: dict[str, Any] = {key: values}
-        return ensemble(tool, accuracy=accuracy, **given)
-
-    first, last = np.sort(passes(list(ends)).keys[key]).tolist()
-    if not first < last < math.inf or first == -math.inf:
-        raise ValueError(f"{key} = {shown(ends)}: must be two different finite ends of a range")
+    first, last = checked_range(tool, key, ends)
     points = np.linspace(first, last, POINTS + 1)[np.newaxis]
     while True:
-        lows, highs, words = _changes(points, passes(points).outcome)
+        given: dict[str, Any] = {key: points}
+        outcome = ensemble(tool, accuracy=accuracy, **given).outcome
+        row, place = np.nonzero(outcome[:, 1:] != outcome[:, :-1])
+        lows = points[row, place]
+        highs = points[row, place + 1]
         if len(lows) > MOST_CHANGES:
             raise ValueError(
                 f"{key} = {shown(ends)}: must be a range with at most {MOST_CHANGES} changes of the outcome"
             )
         width = np.maximum(accuracy * (last - first), np.spacing(np.abs(highs)) * PARTS)
         if (highs - lows <= width).all():
-            middles = 0.5 * (lows + highs)
-            beside = _beside(middles, first, last)
-            found = []
-            for at, pair, sides in zip(middles.tolist(), words, beside.tolist(), strict=True):
-                own = [scene_pass(tool.replace(**{key: each}), SCENE)[0] for each in sides]
-                found.append(Change(at, *pair, confirmed=own == list(pair)))
-            return tuple(found)
-        points = lows[:, np.newaxis] + (highs - lows)[:, np.newaxis] * np.linspace(
-            0.0, 1.0, PARTS + 1
-        )
-
-
-def _beside(places: Array, first: float, last: float) -> Array:
-    """Return two values beside each change, one below and one above it.
-
-    They are BESIDE of the range away, or closer if the next change is near.
-    """
+            break
+        points = np.linspace(lows, highs, PARTS + 1, axis=1)
+    # Changes that are closer to each other than the accuracy count as one.
+    begins = lows - np.append(-np.inf, highs)[:-1] > width
+    ends_here = np.append(begins, True)[1:]
+    lows = lows[begins]
+    highs = highs[ends_here]
+    below = outcome[row, place][begins].tolist()
+    above = outcome[row, place + 1][ends_here].tolist()
+    places = 0.5 * (lows + highs)
     gaps = np.diff(places, prepend=first, append=last)
     steps = np.minimum(BESIDE * (last - first), 0.25 * np.stack([gaps[:-1], gaps[1:]]))
-    return np.asarray((places + steps * [[-1.0], [1.0]]).T)
-
-
-def _changes(points: Array, outcome: Any) -> tuple[Array, Array, list[tuple[str, str]]]:
-    """Find the neighbouring points in each row whose outcomes differ.
-
-    Returns:
-        The lower points, the upper points, and the pairs of outcomes.
-    """
-    row, place = np.nonzero(outcome[:, 1:] != outcome[:, :-1])
-    pairs = zip(outcome[row, place].tolist(), outcome[row, place + 1].tolist(), strict=True)
-    return points[row, place], points[row, place + 1], list(pairs)
+    sides = np.minimum(places - steps[0], lows), np.maximum(places + steps[1], highs)
+    found = []
+    for at, pair, beside in zip(
+        places.tolist(), zip(below, above, strict=True), np.transpose(sides), strict=True
+    ):
+        own = tuple(scene_pass(tool, SCENE, {key: float(each)})[0] for each in beside)
+        found.append(Change(at, *pair, confirmed=own == pair))
+    return tuple(found)

@@ -6,6 +6,7 @@ Names and units of the quantities are those of the study of a whole pass.
 from __future__ import annotations
 
 import logging
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,12 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Tool
+from bristle_sim.declared import UnusualValueWarning
+from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.passes.result import Ensemble
+from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.whole_pass import QUANTITIES, measures_of
+from bristle_sim.units import Choice, Range, likely_key, shown
 
 ENTRY = "entry_angle"
 OUTCOME = "outcome"
@@ -39,6 +43,9 @@ SIZES = {
 }
 """Quantities that are compared, and for each the smallest magnitude by which a difference is divided."""
 
+UNSTRUCK = {StopReason.JAM: OUTCOMES[JAMS], StopReason.RETRACTION_LIMIT: OUTCOMES[REFUSED]}
+"""Outcome, in words, of a simulation that stops before a strike for a reason of its own."""
+
 
 def unable(tool: Tool) -> str:
     """Return the reason why passes of a tool cannot be computed in arrays; empty if they can."""
@@ -48,6 +55,43 @@ def unable(tool: Tool) -> str:
         return f"wire_links = {tool.bristle.links}"
     angle = tool.bristle.knee_angle_deg
     return f"knee_angle_deg = {angle:g}" if angle else ""
+
+
+def checked_range(tool: Tool, key: str, ends: Any) -> tuple[float, float]:
+    """Return the two ends of a parameter's range, ascending, in SI units, and check that passes of
+    the tool can be computed in arrays.
+
+    ``ends`` are two numbers or texts with a unit, or one text ``FROM:TO``.
+
+    Raises:
+        ValueError: for a tool, a key or a range that cannot be used.
+    """
+    if reason := unable(tool):
+        raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
+    keys = {name: each for part in tool_keys().values() for name, (_, each) in part.items()}
+    if key not in keys:
+        raise ValueError(f"unknown key {shown(key)}; {likely_key(key, keys)}")
+    declared = keys[key]
+    if isinstance(declared, Choice) or declared.whole:
+        raise ValueError(f"{key}: must be a key of real numbers, such as friction")
+    given = ends.split(":") if isinstance(ends, str) else ends
+    if not isinstance(given, list | tuple | np.ndarray) or len(given) != 2:
+        raise ValueError(
+            f"{key} = {shown(ends)}: must be the two ends of a range, FROM:TO, such as 0.1:0.6"
+        )
+    low, high = sorted(number_of(declared, each) for each in given)
+    if low == high:
+        raise ValueError(f"{key} = {shown(ends)}: must be two different ends of a range")
+    return low, high
+
+
+def number_of(declared: Range, value: Any) -> float:
+    """Return a value, a number or a text with a unit, as a number in the declared unit.
+
+    Raises:
+        ValueError: for a value that is refused.
+    """
+    return float(declared.parse(value) if isinstance(value, str) else declared.check(value))
 
 
 def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, NDArray[Any]]:
@@ -107,12 +151,12 @@ def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]
     (points,). A tool that is refused is left out.
     """
     found = pass_quantities(tool, settings, **values)
-    compared = np.flatnonzero(found[OUTCOME] != "refused")
+    compared = np.flatnonzero(found[OUTCOME] != OUTCOMES[REFUSED])
     worst = 0.0
     apart = 0
     for number in compared:
         point = {key: float(each[number]) for key, each in values.items()}
-        word, measured = scene_pass(tool.replace(**point), settings)
+        word, measured = scene_pass(tool, settings, point)
         if word != found[OUTCOME][number]:
             apart += 1
             continue
@@ -124,9 +168,19 @@ def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]
     return Check(compared.size, worst, apart)
 
 
-def scene_pass(tool: Tool, settings: Settings) -> tuple[str, Mapping[str, float | None]]:
-    """Simulate a single pass up to the strike, and return its outcome in words and its quantities."""
-    run = simulate(tool, settings, stop_after="strike")
+def scene_pass(
+    tool: Tool, settings: Settings, values: Mapping[str, float]
+) -> tuple[str, Mapping[str, float | None]]:
+    """Simulate a single pass up to the strike with some of the tool's parameters changed, and
+    return its outcome in words and its quantities.
+    """
+    try:
+        with warnings.catch_warnings():  # of values between those that the user gave
+            warnings.simplefilter("ignore", UnusualValueWarning)
+            changed = tool.replace(**values)
+        run = simulate(changed, settings, stop_after="strike")
+    except ValueError:
+        return OUTCOMES[REFUSED], {}
     strike = run.first_contact("workpart")
-    word = "jams" if run.stop_reason is StopReason.JAM else "does not strike"
-    return word if strike is None else strike.outcome_in_words, measures_of(tool, run)
+    ended = UNSTRUCK.get(run.stop_reason, OUTCOMES[MISSES])
+    return ended if strike is None else strike.outcome_in_words, measures_of(changed, run)
