@@ -88,6 +88,16 @@ def test_the_highest_relative_speed_is_the_first_maximum(tool: Tool, angle: floa
     assert run.time[-1] == pytest.approx(exact.time[-1], rel=1e-6)
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.42])
+def test_events_have_the_same_names(restitution: float) -> None:
+    """Up to the hops that the reference takes as rest: a rebound is no release, a slide along the bar ends with one."""
+    tool = replace(Tool(), bar=replace(Tool().bar, restitution=restitution))
+    runs = simulate(tool, Settings(hub_turn=1.8)), simulate_reference(tool, hub_turn=1.8)
+    names = [[each.name for each in run.events] for run in runs]
+    assert names[0] == names[1]
+    assert names[0].count("workpart touch") == 2
+
+
 def test_a_wedge_closes_without_a_rebound() -> None:
     """A link that touches bar and workpart has no motion that opens both: the impact that jams it returns nothing."""
     tool = between(-0.9, 0.3, bar_gap=2e-4, gap=2e-4).replace(bar_restitution=0.5, restitution=0.5)

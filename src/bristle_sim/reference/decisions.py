@@ -79,13 +79,15 @@ def decide(system: System, state: State, new: Point | None = None) -> State:
     for number, slip in kept.items():
         resting[number].slip = slip
     staying = [resting[number] for number in kept]
-    ending = [each for each in system.sustained if each not in staying]
+    # A contact that begins with a rebound has no release.
+    lasted = dict.fromkeys([*system.sustained, *resting])
+    ending = [each for each in lasted if each not in staying]
     system.sustained = staying
     record(system, state, ending, "release" if new is None else new.obstacle)
-    system.log.check_stop(state, staying)
-    for each in [*ending, *(each for each in begun if each not in staying)]:
+    system.check_stop(state)
+    for each in ending:
         system.log.released(each.point, state.time)
-    system.log.check_stop(state, staying)
+    system.check_stop(state)
     return system.closed(state)
 
 
@@ -221,7 +223,7 @@ def end_compliant_contact(system: System, each: Compliant, state: State) -> Stat
     system.sustained.remove(each)
     system.dents[each.point.piece] = system.at(state).touch(each.point).gap
     system.log.released(each.point, state.time)
-    system.log.check_stop(state, system.sustained)
+    system.check_stop(state)
     return state
 
 

@@ -68,6 +68,17 @@ class Event(NamedTuple):
     place: tuple[str, int] | None = None
     extreme: bool = False
 
+    def ahead(self, instant: Instant, zero: float = 0.0) -> Event:
+        """Return the event at which the function passes ``zero`` by its resolution.
+
+        ``instant`` is the start of the interval. A function that has passed there already must pass
+        its value there by its resolution.
+        """
+        value = self.value
+        passed = max(self.direction * (value(instant) - zero), 0.0)
+        level = zero + self.direction * (passed + self.resolution)
+        return self._replace(value=lambda at: value(at) - level)
+
 
 def events_of(system: System, state: State) -> list[Event]:
     """Return the events that can end the interval that begins at a state."""
@@ -77,7 +88,7 @@ def events_of(system: System, state: State) -> list[Event]:
         found += _wire_events(system, instant, own)
     for number, each in enumerate(system.sustained):
         if isinstance(each, Compliant):
-            found += _spring_events(system, each)
+            found += _spring_events(system, instant, each)
         else:
             found += _force_events(system, instant, number)
         if each.friction:
@@ -85,18 +96,6 @@ def events_of(system: System, state: State) -> list[Event]:
         if each.point.obstacle == "bar":
             found += _place_events(system, instant, each)
     return found
-
-
-def beyond(
-    value: Value, direction: int, margin: float, instant: Instant, zero: float = 0.0
-) -> Value:
-    """Return the excess of a function over ``zero``, shifted so that it begins before its event by
-    a margin or more.
-
-    ``instant`` is the start of the interval.
-    """
-    level = zero + direction * (max(direction * (value(instant) - zero), 0.0) + margin)
-    return lambda at: value(at) - level
 
 
 def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
@@ -120,7 +119,7 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
     def extreme(name: str, state: State) -> State:
         if name == LARGEST_RETRACTION or rate(system.at(state)) > IDLE * rounding:
             own.event(name, state.time)
-            system.log.check_stop(state, system.sustained)
+            system.check_stop(state)
         return state
 
     def lies_down(state: State) -> State:
@@ -152,13 +151,12 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
         for piece in range(len(instant.gaps(name))):
             if _shadowed(system, name, piece):
                 continue
+            place = (name, piece)
             own = partial(gap, name, piece)
-            touch = beyond(own, -1, inside, instant, dents.get(piece, 0.0))
-            follow = partial(close_contact, system, name, piece)
-            found.append(Event(touch, -1, 0.1 * inside, follow, (name, piece)))
+            touch = Event(own, -1, inside, partial(close_contact, system, name, piece), place)
+            found.append(touch.ahead(instant, dents.get(piece, 0.0)))
             if piece in dents:
-                leave = partial(leave_dent, system, piece)
-                found.append(Event(own, 1, inside, leave, (name, piece)))
+                found.append(Event(own, 1, inside, partial(leave_dent, system, piece), place))
     return found
 
 
@@ -212,36 +210,35 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         raise system.log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
 
     # Beyond zero by rounding, so that the decision that follows finds the contact open.
-    opens = beyond(pressing, -1, acceleration, instant)
-    found = [Event(opens, -1, acceleration, partial(decide, system))]
+    found = [Event(pressing, -1, acceleration, partial(decide, system)).ahead(instant)]
     if acting.slip and acting.friction:
         found.append(Event(free, -1, 1e-3 * LOCKED, lock))
     return found
 
 
-def _spring_events(system: System, each: Compliant) -> list[Event]:
+def _spring_events(system: System, instant: Instant, each: Compliant) -> list[Event]:
     """Return the events of a compliant contact's normal spring.
 
     In loading, compression ends. In unloading, the force falls to zero or the spring loads again.
     """
     speed = ROUNDING * system.size * system.fastest
     depth = max(ROUNDING * each.deepest, GAP_ROUNDING * system.size)
-    # The margin exceeds the rounding of a gap; otherwise the contact would unload and load at one
-    # instant.
-    deeper = each.deepest + ROUNDING * system.size
+    # This exceeds the rounding of a gap; otherwise the contact would unload and load at one instant.
+    deeper = ROUNDING * system.size
 
     def opening(at: Instant) -> float:
         return float(at.touch(each.point).velocity[0])
 
-    def above(level: float, at: Instant) -> float:
-        return each.level - at.touch(each.point).gap - level
+    def excess(depth: float, at: Instant) -> float:
+        return each.level - at.touch(each.point).gap - depth
 
     if each.loading:
         return [Event(opening, 1, speed, partial(end_compression, system, each))]
-    ends = partial(end_compliant_contact, system, each)
+    residual = partial(excess, each.law.residual(each.deepest))
+    loads = Event(partial(excess, each.deepest), 1, deeper, partial(change_phase, system, each))
     return [
-        Event(partial(above, each.law.residual(each.deepest)), -1, depth, ends),
-        Event(partial(above, deeper), 1, depth, partial(change_phase, system, each)),
+        Event(residual, -1, depth, partial(end_compliant_contact, system, each)),
+        loads.ahead(instant),
     ]
 
 
@@ -251,8 +248,7 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
     ``number`` is the index of the contact.
     """
     each = system.sustained[number]
-    speed = system.size * system.fastest
-    force = ROUNDING * speed * system.fastest * system.chain.masses.sum()
+    force = ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
     if isinstance(each, Compliant):
         law = each.law
         steepest = law.stiffness / min(1.0, law.restitution**2 or 1.0, law.compliance or 1.0)
@@ -270,11 +266,10 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
         normal, tangential = at.balance.pushes[number].tolist()
         return float(each.friction * normal - abs(tangential))
 
-    go_on = partial(decide, system)
+    event = Event(cone, -1, force, partial(decide, system))
     if slip:  # slip after stick starts from a velocity that is rounding, of either sign
-        margin = 1e-3 * system.still(instant.state)
-        return Event(beyond(sliding, -1, margin, instant), -1, ROUNDING * speed, go_on)
-    return Event(beyond(cone, -1, force, instant), -1, force, go_on)
+        event = event._replace(value=sliding, resolution=1e-3 * system.still(instant.state))
+    return event.ahead(instant)
 
 
 def _place_events(system: System, instant: Instant, each: Sustained) -> list[Event]:
@@ -300,13 +295,9 @@ def _place_events(system: System, instant: Instant, each: Sustained) -> list[Eve
         ]
     if not follows(system.chain, index + corner):  # nothing precedes a root or follows a tip
         passages.pop()
-    resolution = ROUNDING * system.chain.length
     return [
         Event(
-            beyond(partial(foot, piece), direction, past, instant, end),
-            direction,
-            resolution,
-            partial(move_contact, system, each, point),
-        )
+            partial(foot, piece), direction, past, partial(move_contact, system, each, point)
+        ).ahead(instant, end)
         for piece, end, direction, point in passages
     ]

@@ -11,12 +11,11 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Point
 from bristle_sim.reference.mechanics import Chain
-from bristle_sim.reference.state import Compliant, State, Sustained
+from bristle_sim.reference.state import State, Sustained
 from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 
 STRIKE = "strike"
-TOUCHES = (STRIKE, "workpart touch", "bar touch", "wire touch")
 
 
 class Finished(Exception):
@@ -196,17 +195,6 @@ class Log:
         """Record the release of a contact at a time in s."""
         for own in self.of(point):
             own.event(f"{point.obstacle} release", time)
-
-    def check_stop(self, state: State, sustained: Iterable[Sustained]) -> None:
-        """Raise Finished if every wire has had the event that ends the run.
-
-        If this event is a touch, compliant contacts must have ended too.
-        """
-        last = self.stop_after
-        if last is None or not all(own.times(last) for own in self.records):
-            return
-        if last not in TOUCHES or not any(isinstance(each, Compliant) for each in sustained):
-            raise Finished(StopReason.EVENT, state)
 
     def jam(self, state: State) -> Finished:
         """Record a jam of all wires, and return the exception that ends the run.

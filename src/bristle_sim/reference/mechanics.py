@@ -121,13 +121,15 @@ class Chain:
         self.ends[own] = self.pieces.ends  # the last piece of each link
         self.masses = bristle.mass * self.pieces.lengths / bristle.length
         self.inertias = self.masses * self.pieces.lengths**2 / 12.0
-        self.before = np.kron(np.eye(count), np.tri(links, k=-1).T).astype(complex)
+        wires = np.repeat(np.arange(count), links)
+        same = np.equal.outer(wires, wires)
+        self.before = np.triu(same, 1).astype(complex)
         self.arms = (self.before.T * self.ends)[own]
         self.arms[np.arange(len(own)), own] = self.middles
         self.products = np.conj(self.arms).T @ (self.masses[:, None] * self.arms)
         self.inertia_matrix = np.diag(np.bincount(own, self.inertias))
-        self.first = np.tile(np.arange(links) == 0, count).astype(float)
-        self.apart = np.eye(self.links) - np.kron(np.eye(count), np.eye(links, k=1))
+        self.first = np.diff(wires, prepend=-1)
+        self.apart = np.eye(self.links) - same * np.eye(self.links, k=1)
         self.tips = np.tile(np.arange(len(lone.links)) == len(lone.links) - 1, count)
         bends = self.pieces.directions[1:] != self.pieces.directions[:-1]
         self.corners = self.tips | np.append(bends, True)

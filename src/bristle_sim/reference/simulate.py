@@ -181,7 +181,7 @@ def _simulate(
     rates = np.full(chain.links, chain.speed + request.start_relative_rate)
     start = State(0.0, chain.start_hub_angles + request.start_relative_angle, rates)
     chains = [Chain(tool, each) for each in start_hub_angles]
-    end, interval = _span(chains[0], request)
+    end, interval = _span(tool, request)
     log = Log(chains, interval, request.stop_after, pairs)
     duration = tool.contact.duration if request.contact_stiffness is None else None
     system = System(chain, obstacles, log, request.contact_stiffness, duration)
@@ -214,26 +214,27 @@ def _check_start(system: System, start: State) -> None:
             )
 
 
-def _span(chain: Chain, request: Request) -> tuple[float, float]:
+def _span(tool: Tool, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
     # Natural rate of the wire on its belt with rigid hinges, and c/I, twice the rate of its decay,
     # rad/s.
-    inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
-    field = abs((chain.masses @ chain.arms).sum()) * (
-        chain.hub_radius * chain.speed**2 + chain.gravity
-    )
-    swing = math.sqrt((float(chain.stiffness[0]) + field) / inertia)
-    decay = float(chain.damping[0]) / inertia
-    moving = max(swing, chain.speed)
+    bristle = tool.bristle
+    speed = tool.hub.speed
+    inertia = bristle.inertia_about_root
+    moment = bristle.mass * math.hypot(*bristle.centre)
+    field = moment * (tool.hub.radius * speed**2 + tool.gravity)
+    swing = math.sqrt((tool.belt.stiffness + field) / inertia)
+    decay = tool.belt_damping / inertia
+    moving = max(swing, speed)
     period = 2.0 * math.pi / moving if moving else math.inf  # infinite if nothing moves the wire
     end = request.duration
     if end is None:
-        end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
+        end = request.hub_turn / speed if speed else PERIODS_AT_REST * period
     if not math.isfinite(end):
         raise ValueError(
             "duration = None: must be a number, as hub, belt and gravity set no time scale (in s)"
         )
-    fastest = swing + decay + chain.speed
+    fastest = swing + decay + speed
     if end * fastest > MOST_RADIANS:
         raise ValueError(
             f"duration = {end:g}: must be at most {MOST_RADIANS / fastest:g}, {MOST_RADIANS:g} radians of the fastest motion of hub and"

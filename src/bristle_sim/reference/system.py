@@ -12,9 +12,12 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Obstacles, Point, Touch
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
-from bristle_sim.reference.log import Log
+from bristle_sim.reference.log import STRIKE, Finished, Log
 from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.reference.state import Compliant, State, Sustained
+from bristle_sim.settings import StopReason
+
+TOUCHES = (STRIKE, "workpart touch", "bar touch", "wire touch")
 
 # Rounding error of a rate, over the fastest rate, for each radian turned; measured are 3e-15 in one
 # turn, and 7e-15 in 80 turns.
@@ -57,6 +60,17 @@ class System:
     def rigid(self) -> list[Point]:
         """Return the locations of the rigid sustained contacts."""
         return [each.point for each in self.sustained if not isinstance(each, Compliant)]
+
+    def check_stop(self, state: State) -> None:
+        """Raise Finished if every wire has had the event that ends the run.
+
+        If this event is a touch, compliant contacts must have ended too.
+        """
+        last = self.log.stop_after
+        if last is None or not all(own.times(last) for own in self.log.records):
+            return
+        if last not in TOUCHES or len(self.rigid) == len(self.sustained):
+            raise Finished(StopReason.EVENT, state)
 
     def still(self, state: State) -> float:
         """Return the largest velocity that counts as rest, m/s."""
