@@ -46,6 +46,11 @@ MEASURES = {
     "crater_depth": ("crater depth by energy", "m"),
 }
 
+FREQUENCIES = {
+    "first_bending_frequency": ("first bending frequency", "Hz"),
+    "second_bending_frequency": ("second bending frequency", "Hz"),
+}
+
 REFERENCE_ACCURACY = 1e-9
 REFERENCE_FRICTION = 10.0
 """Largest coefficient of friction for which the reference is computed. Friction shortens the slip,
@@ -150,10 +155,10 @@ def flexible_wire(
     Raises:
         ValueError: for values that contradict each other, or a contact that does not end.
     """
-    needed = {"hub_speed": (hub.speed, "rad/s"), "wire_diameter": (bristle.wire_diameter, "m")}
-    for key, (value, unit) in needed.items():
-        if not value:
-            raise ValueError(f"{key} = 0: must be above 0, or no elastic wire strikes (in {unit})")
+    if not hub.speed:
+        raise ValueError("hub_speed = 0: must be above 0, or nothing strikes (in rad/s)")
+    if not bristle.wire_diameter:
+        raise ValueError("wire_diameter = 0: must be above 0, or no elastic wire strikes (in m)")
     gamma = math.radians(strike.impact_angle_deg)
     tool = tool_at_surface(hub, belt, bristle, surface, gamma)
     struck = FlexibleStrike(tool, gamma, strike.speed_ratio * hub.speed, contact, settings)
@@ -279,26 +284,23 @@ def tool_at_surface(
     return Tool(hub=hub, belt=belt, bristle=bristle, bar=None, workpart=part)
 
 
-def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
+def _frequencies(tool: Tool, with_reference: bool) -> tuple[Quantity, ...]:
     """Compare the bending frequencies of the simulated wire with theory: a continuous beam, and a
     chain of links.
     """
     bristle = tool.bristle
-    found = []
     wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus)
-    scene = wire_frequencies(tool)
-    beam = beam_frequencies(*wire, tool.belt.stiffness, 3)
     chain = chain_frequencies(*wire, tool.belt.stiffness, bristle.links)
-    for mode, name in enumerate(("first_bending_frequency", "second_bending_frequency"), 1):
-        simulated = reference = within = None
-        if mode < bristle.links:
-            simulated = float(scene[mode])
-            reference = float(chain[mode]) if with_reference else None
-        if reference:
-            # Rounding of the largest eigenvalue, as an error of the square.
-            rounding = math.ulp(1.0) * (chain[-1] / reference) ** 2
-            within = max(1e-6, rounding) if rounding < 1.0 else None
-        found.append(
-            Quantity(name, "Hz", simulated, float(beam[mode]), reference, tolerance=within)
-        )
-    return found
+    # The mode 0 swings on the belt.
+    simulated = dict(zip(FREQUENCIES, wire_frequencies(tool)[1:], strict=False))
+    theory = dict(
+        zip(FREQUENCIES, beam_frequencies(*wire, tool.belt.stiffness, 3)[1:], strict=True)
+    )
+    reference = dict(zip(FREQUENCIES, chain[1:], strict=False)) if with_reference else {}
+    within = {}
+    for name, value in reference.items():
+        # Rounding of the largest eigenvalue, as an error of the square.
+        rounding = math.ulp(1.0) * (chain[-1] / value) ** 2
+        if rounding < 1.0:
+            within[name] = max(1e-6, rounding)
+    return rows(FREQUENCIES, simulated, theory, reference, tolerances=within)
