@@ -27,7 +27,7 @@ import pytest
 import tqdm
 
 from bristle_sim.cli import Scenario, command, main, output
-from bristle_sim.cli.scenario import script_paths
+from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.declared import choice, quantity, validate
 from bristle_sim.version import __version__, named_commit
@@ -180,6 +180,19 @@ def test_settings_are_read_and_the_last_one_counts(capsys: pytest.CaptureFixture
     monkeypatch.setattr(sys, "argv", ["fake.py", "--set", "mass=x"])
     assert main(SCENARIO) == 2
     assert "mass = 'x'" in capsys.readouterr().err
+
+
+def test_the_value_none_that_a_list_of_keys_shows_can_be_typed():
+    """A parameter that may be absent is left out by it, also where the scenario has a default or another key is missing."""
+    for name in ("cue_and_impact", "bent_bristles", "force_history", "surface"):
+        scenario = load_scenario(script_paths()[name])
+        for key, (declared, default) in scenario.keys().items():
+            if declared.optional:
+                values = scenario.values_of([f"{key}=none"])
+                assert values[key] is None
+                assert default is None or key in scenario.defaults
+    with pytest.raises(ValueError, match="wire_diameter = 'none': must be a finite number"):
+        load_scenario(script_paths()["cue_and_impact"]).values_of(["wire_diameter=none"])
 
 
 def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str], tmp_path: Path):

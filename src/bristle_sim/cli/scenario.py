@@ -116,7 +116,8 @@ class Scenario:
         """Return the value of every parameter, by key.
 
         Args:
-            assignments: texts ``KEY=VALUE``; the last one for a key counts.
+            assignments: texts ``KEY=VALUE``; the last one for a key counts. The value ``none``
+                leaves out a parameter that may be absent.
             numbers: values in SI units by key; they override the assignments.
 
         Returns:
@@ -135,7 +136,9 @@ class Scenario:
             if key not in keys:
                 advice = likely_key(key, keys, "--list-keys shows all keys")
                 raise ValueError(f"--set {assignment!r}: unknown key {key!r}; {advice}")
-            typed[key] = keys[key][0].parse(text)
+            declared = keys[key][0]
+            left_out = declared.optional and text.strip() == "none"
+            typed[key] = None if left_out else declared.parse(text)
         for key, number in (numbers or {}).items():
             typed[key] = keys[key][0].check(number)
         values = {key: default for key, (_, default) in keys.items()} | typed
@@ -143,7 +146,7 @@ class Scenario:
             other, relation, wanted = declared.needs.split() or ("", "", "")
             if other not in values or (format_value(values[other]) == wanted) is (relation == "="):
                 continue
-            if key in typed and (declared.optional or typed[key] != default):
+            if typed.get(key) is not None and (declared.optional or typed[key] != default):
                 words = f"must be left out unless {declared.needs}, or it has no effect"
                 raise ValueError(f"{key} = {typed[key]!r}: {words}")
             values[key] = None if declared.optional else default
