@@ -205,6 +205,26 @@ def test_the_strike_of_a_very_light_wire_is_located_to_rounding():
     assert coarse.lag_at_contact == pytest.approx(float(fine.lag_at_contact), abs=1e-9)
 
 
+@pytest.mark.parametrize(("number", "compliance"), [(72, 0.0284), (97, 1.62)])
+def test_a_jam_has_one_impulse_with_a_tangential_spring(number: int, compliance: float):
+    """In arrays, in the scene and in the reference, whose strikes differ by their accuracies; a contact in time has its duration too."""
+    values = {key: float(each[number]) for key, each in random_tools(200, 5).items()}
+    values["tangential_compliance"] = compliance
+    many = bs.ensemble(accuracy=1e-9, **values)
+    assert many.outcome == "jams"
+    tool = bs.Tool().replace(**values)
+    runs = (
+        (bs.simulate(tool, bs.Settings(accuracy=1e-9), stop_after="strike"), 1e-9),
+        (bs.simulate_reference(tool, accuracy=1e-10, stop_after="strike"), 1e-9),
+        (bs.simulate(tool.replace(contact="compliant"), bs.Settings(accuracy=1e-8), stop_after="strike"), 2e-6),
+    )  # fmt: skip
+    for run, accuracy in runs:
+        strike = run.first_contact("workpart")
+        assert strike is not None
+        assert strike.outcome == "jam"
+        assert many.normal_final_impulse == pytest.approx(strike.impulse[0], rel=accuracy)
+
+
 def test_random_tools_against_the_independent_solution():
     assert faults(3, 5, 1e-8, reference=True)[0] == []
 

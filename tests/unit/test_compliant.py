@@ -245,6 +245,28 @@ class TestStick:
             "restitution slip",
         )
 
+    @pytest.mark.parametrize("compliance", [1e-3, 0.05, 1.21])
+    @pytest.mark.parametrize("restitution", [0.0, 0.4, 0.9])
+    @pytest.mark.parametrize(
+        ("angle", "friction"), [(0.2, 1.0), (0.5, 1.0), (0.5, 2.5), (0.8, 5.0)]
+    )
+    def test_that_jams_on_a_tangential_spring_too(
+        self, angle: float, friction: float, restitution: float, compliance: float
+    ) -> None:
+        """Contact in time and law end at the same balance of forces. The law differs by half the duration, 3e-7, over the root's motion."""
+        chain = dataclasses.replace(self.JAMMED[0], angles=(angle,))
+        law, in_time = (
+            strike(
+                chain,
+                Surface(friction, None, restitution),
+                Contact(name, tangential_compliance=compliance),
+                Settings(accuracy=1e-8),
+            ).contact
+            for name in ("energetic", "compliant")
+        )
+        assert law.outcome == in_time.outcome == "jam"
+        assert in_time.impulse == pytest.approx(law.impulse, rel=2e-6)
+
     def test_that_jams_for_the_rigid_law_alone(self) -> None:
         """Ten times 0.1 ms later the hub's root has hardly moved on, by 6e-4: the record ends where the tip stuck."""
         limit = strike(*self.JAMMED, Contact(), Settings()).contact

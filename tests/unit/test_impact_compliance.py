@@ -16,7 +16,13 @@ from benchmarks.law_march import (
     nearly_singular_impacts,
     random_impacts,
 )
-from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, poisson_impact
+from bristle_sim.theory.impact import (
+    OUTCOMES,
+    Impact,
+    energetic_impact,
+    newton_impact,
+    poisson_impact,
+)
 
 
 @pytest.mark.parametrize(
@@ -332,6 +338,37 @@ class TestBristle:
 
 
 GAMMA = math.radians(23.4)
+
+
+@pytest.mark.parametrize("eta2", [1e-3, 0.05, 1.21])
+@pytest.mark.parametrize("restitution", [0.0, 0.42, 1.0])
+def test_a_jam_ends_where_its_forces_are_in_balance(restitution: float, eta2: float) -> None:
+    """A rod at gamma whose root moves at w across it. The balance K_nt v_n + K_tt v_t/eta^2 = 0 at the kept w gives the velocity,
+    and the velocity the impulse along the rod's freedom. A single impact gives the numbers of the array, and the works the energy.
+    """
+    gamma, mu, turning, across = (
+        each.ravel()
+        for each in np.meshgrid([0.2, 0.6, 1.0], [1.7, 2.5, 5.0], [-1.0, 0.3], [-0.7, -0.05])
+    )
+    s, c = np.sin(gamma), np.cos(gamma)
+    matrix = np.array([[s * s, s * c], [s * c, c * c]]).transpose(2, 0, 1)
+    velocity = np.array([s * turning + c * across, c * turning - s * across]).T
+    many = energetic_impact(matrix, velocity, mu, restitution, tangential_compliance=eta2)
+    jams = many.outcome == OUTCOMES.index("jam")
+    assert np.count_nonzero(jams) >= 10
+    along = s * many.velocity_normal + c * many.velocity_tangential
+    balance = across * s * c * (1.0 - eta2) / (c * c + eta2 * s * s)
+    np.testing.assert_allclose(along[jams], balance[jams], atol=1e-13)
+    impulse = s * many.impulse_normal + c * many.impulse_tangential
+    kept = c * many.impulse_normal - s * many.impulse_tangential
+    np.testing.assert_allclose(impulse[jams], (along - turning)[jams], atol=1e-12)
+    gained = 0.5 * (along**2 - turning**2) + across * kept
+    np.testing.assert_allclose(many.energy_change[jams], gained[jams], atol=1e-11)
+    for number in np.flatnonzero(jams):
+        single = energetic_impact(
+            matrix[number], velocity[number], mu[number], restitution, tangential_compliance=eta2
+        )
+        assert single.impulse_normal == pytest.approx(many.impulse_normal[number], rel=1e-12)
 
 
 def test_one_freedom_across_its_line_jams() -> None:

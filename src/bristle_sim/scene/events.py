@@ -71,6 +71,8 @@ class Kind(StrEnum):
     FOOT_STOPS = auto()  # contact with a spring that slips: its foot stops
     # contact with a spring that sticks: its tangential force reaches the friction cone
     CONE_REACHED = auto()
+    # contact with a spring, of a link that jams: its point moves as balanced forces let it
+    BALANCED = auto()
     # contact with a spring in the rigid-body limit: it lasts too long to be an impact
     OVERDUE = auto()
     LARGEST_RETRACTION = auto()  # wire: its first link begins to catch up with the hub
@@ -87,10 +89,14 @@ SPRING_KINDS = frozenset(
         Kind.REST_ENDS,
         Kind.FOOT_STOPS,
         Kind.CONE_REACHED,
+        Kind.BALANCED,
         Kind.OVERDUE,
     }
 )
-BEGINS_POSITIVE = SPRING_KINDS - {Kind.OVERDUE} | {Kind.LOCKED, Kind.RETRACTION_LIMIT}
+BEGINS_POSITIVE = SPRING_KINDS - {Kind.OVERDUE, Kind.BALANCED} | {
+    Kind.LOCKED,
+    Kind.RETRACTION_LIMIT,
+}
 """Kinds whose value is positive at the beginning of a motion, or rises from zero there: the
 decision at the last event ensures it."""
 
@@ -336,3 +342,9 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         yield falls(Kind.FOOT_STOPS, value=slip)
     elif spring.elastic or spring.compliance_in_stick:
         yield falls(Kind.CONE_REACHED, value=spare)
+        if spring.elastic and spring.jams:
+            yield falls(
+                Kind.BALANCED,
+                value=lambda at: spring.off_balance(touch(at.state).velocity),
+                direction=0,
+            )

@@ -190,6 +190,11 @@ class SpringContact(ActiveContact):
         return self.deepest is None
 
     @property
+    def jams(self) -> bool:
+        """Whether the impact law jams and the contact has not reached that instant."""
+        return self.predicted == Outcome.JAM and self.loading and self.stopped_at is None
+
+    @property
     def elastic(self) -> bool:
         """Whether there is a tangential spring."""
         return self.law.compliance > 0.0
@@ -263,6 +268,11 @@ class SpringContact(ActiveContact):
         Without a tangential spring this is the velocity of the contact point.
         """
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
+
+    def off_balance(self, velocity: Vector) -> float:
+        """Return the tangential velocity less its value where K (N, T) is stationary in loading."""
+        coupling, along = map(float, self.inverse_mass[1])
+        return velocity[1] + self.law.compliance * velocity[0] * coupling / along
 
     def set_foot(self, penetration: float, place: float) -> bool:
         """Attach the tangential spring to the surface so that its force continues without a jump,

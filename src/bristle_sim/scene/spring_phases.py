@@ -98,11 +98,10 @@ def change_spring(
     least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
     if quiet and penetration - spring.residual < least:
         return Outcome.REBOUND
-    if before == (spring.loading, spring.slip):
-        return None
-    spring.begin_phase()
-    jams = spring.predicted == Outcome.JAM
-    if jams and spring.loading and not (spring.slip or spring.elastic or spring.stopped_at):
+    turned = before != (spring.loading, spring.slip)
+    if turned:
+        spring.begin_phase()
+    if spring.jams and (kind is Kind.BALANCED if spring.elastic else turned and not spring.slip):
         if not spring.finite_duration:
             return Outcome.JAM
         # The bodies move during the contact and may still leave it.

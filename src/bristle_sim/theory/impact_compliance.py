@@ -20,9 +20,12 @@ jumps onto the cone. A point that is pressed deeper than before loads again, wit
 are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2. Springs
 begin and end without force, or lose their force, so energy never grows.
 
-A point of one degree of freedom may never leave the surface: friction holds both springs compressed
-(stiction). Its impulses are those up to the instant at which it comes to rest, as for a rigid point.
-The static forces that follow do not move it, and their impulse grows without end.
+A point of one degree of freedom may never leave the surface. In stiction friction holds both springs
+compressed; in a jam the root drives the point on into the surface at a constant speed, and both
+forces grow. Balanced forces, K (N, T) = 0, do not change the motion, and their impulse grows without
+end. The impact therefore ends where K (N, T) is first stationary in loading, K_nt v_n + K_tt v_t/eta^2
+= 0. This velocity is that of the balance about which the point would swing, and zero in stiction. As
+eta^2 falls, this end tends to the end of slip, which ends the impact of a rigid point.
 
 As eta^2 falls, the result tends to the result for a rigid point. If the rigid point sticks, the
 impulse differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
@@ -42,6 +45,7 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_events import (
     APART,
     BACKWARD,
+    BALANCED,
     FORWARD,
     LINE,
     NEVER,
@@ -68,7 +72,6 @@ LEAST_RESTITUTION = 1e-8
 
 # Largest coefficient of friction used; its cone differs from a half-plane by parts in 1e12.
 WIDEST_CONE = 1e12
-
 
 MOST_IN_STICK = 10_000
 """Largest number of consecutive phases of stick in which the fast oscillation is followed.
@@ -137,7 +140,9 @@ class _Contacts:
     impulses and works by the four phases of ``impact_phases.PHASES``; ``slips`` holds the slip in
     these phases. The second phase of compression collects everything after the first stick or slip;
     the second phase of restitution does the same. When a point is pressed deeper than before,
-    everything up to then counts as compression.
+    everything up to then counts as compression. ``balanced`` holds velocities, totals and slips at
+    the instant at which the forces on a point of one degree of freedom are first in balance or its
+    loading ends; until then ``moves`` is set.
     """
 
     def __init__(self, contact: Contact) -> None:
@@ -152,6 +157,8 @@ class _Contacts:
         self.slip_stop = np.full(size, INFINITE)
         self.outcome = np.zeros(size, dtype=int)
         self.again = np.zeros(size, dtype=int)
+        self.moves = np.ones(size, dtype=bool)
+        self.balanced = np.zeros((2, size)), np.zeros((4, size, 4)), np.zeros((size, 4))
 
     @property
     def by_row(self) -> Number:
@@ -174,14 +181,14 @@ class _Contacts:
                 most = many & (
                     (self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED)
                 )
-                after, event, done = stick(
-                    before, many & ~self.settled[at], most & ~self.settled[at]
-                )
+                fresh = ~self.settled[at]
+                after, event, done = stick(before, many & fresh, most & fresh, self.moves[at])
             over = self.note(at, before, after, event, done)
             turned = _turned(after, event)
-            if (event == NONE).any():
+            same = (event == NONE) | (event == BALANCED)
+            if same.any():
                 turned = Contact(
-                    *(np.where(event == NONE, *pair) for pair in zip(after, turned, strict=True))
+                    *(np.where(same, *pair) for pair in zip(after, turned, strict=True))
                 )
             self.turn(at, before, turned, event, over)
             going.append(at[~over])
@@ -208,6 +215,12 @@ class _Contacts:
             total[place] += part
         moved = done[0] > 0.0
         self.slips.ravel()[place[moved]] = before.slip[moved]
+        kept = self.moves[at] & ((event == BALANCED) | ((event == LINE) & loading))
+        chosen = at[kept]
+        self.moves[chosen] = False
+        velocity, totals, slips = self.balanced
+        velocity[:, chosen] = after.normal[kept], after.tangential[kept]
+        totals[:, chosen], slips[chosen] = self.by_row[:, chosen], self.slips[chosen]
         counts = (before.slip == 0.0) | (before.restitution < LEAST_EXACT)
         self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
@@ -222,12 +235,15 @@ class _Contacts:
         approach = before.approach[ends]
         pressed = loading[ends] | (speed < -KNIFE_EDGE * approach)
         parted = np.where((event == APART) & (speed > 0.0), REBOUND, NO_REBOUND)
-        outcome = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
-        self.outcome[at[ends]] = outcome
-        stays = at[ends[outcome == STICTION]]  # at rest since its compression ended
-        self.by_row[:, stays, 2:] = 0.0
-        self.slips[stays, 2:] = 0.0
+        self.outcome[at[ends]] = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
         return over
+
+    def set_back(self) -> None:
+        """Set contacts that end in a jam or in stiction back to the instant of their balance."""
+        at = np.flatnonzero(np.isin(self.outcome, (JAM, STICTION)) & ~self.moves)
+        velocity, totals, slips = self.balanced
+        self.rows[MOTION : MOTION + 2, at] = velocity[:, at]
+        self.by_row[:, at], self.slips[at] = totals[:, at], slips[at]
 
     def turn(
         self, at: Number, before: Contact, after: Contact, event: Number, over: Number
@@ -314,6 +330,7 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
         active = np.arange(none.size)
         while active.size:
             active = contacts.advance(active)
+        contacts.set_back()
     momentum = (speed / mass)[:, np.newaxis]
     energy = (speed * speed / mass)[:, np.newaxis]
     impulses, along = contacts.by_row[:2] * momentum

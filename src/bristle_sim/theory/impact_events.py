@@ -22,13 +22,13 @@ import numpy as np
 from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_phases import INFINITE
 
-NONE, LINE, FORWARD, BACKWARD, STOP, APART, NEVER, SETTLED = range(8)
+NONE, LINE, FORWARD, BACKWARD, STOP, APART, NEVER, SETTLED, BALANCED = range(9)
 """Events at the end of a step.
 
 ``NONE``: the contact is still in stick. ``LINE``: loading ends, or begins again. ``FORWARD``,
 ``BACKWARD``: the force reaches an edge of the friction cone, and the spring's foot slips in this
 sense. ``STOP``: the foot stops. ``APART``: the force ends. ``NEVER``: no event will come.
-``SETTLED``: the fast mode is removed from the motion."""
+``SETTLED``: the fast mode is removed from the motion. ``BALANCED``: the fast mode's velocity is 0."""
 
 NAMES = np.array([BACKWARD, FORWARD, LINE])
 """Event at a zero of each event function."""

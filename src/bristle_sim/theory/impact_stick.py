@@ -21,6 +21,7 @@ import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_events import (
+    BALANCED,
     LEAST_RATE,
     NEVER,
     NOISE,
@@ -82,14 +83,16 @@ class Contact(NamedTuple):
 
 
 def stick(
-    contact: Contact, jams: Number, settles: Number
+    contact: Contact, jams: Number, settles: Number, balances: Number
 ) -> tuple[Contact, Number, tuple[Number, ...]]:
     """Advance contacts to the end of a phase of stick.
 
     Where ``settles`` is set, the contact does not advance; its fast mode and the energy of this
     mode are removed from the motion. Where ``jams`` is set, this happens only if the point has one
-    degree of freedom and is pressed into the surface without end. A few contacts may be left
-    without an event.
+    degree of freedom and is pressed into the surface without end. Where ``balances`` is set, the
+    phase of a point with one degree of freedom ends at the latest when the point moves as its
+    balanced forces let it, which is where the fast mode's velocity is zero. A few contacts may be
+    left without an event.
 
     Returns:
         The contacts after the phase; the events that end it; and the normal impulse, tangential
@@ -101,6 +104,12 @@ def stick(
     # A single degree of freedom drifts across its line at a constant speed in stick.
     pressed = (contact.stick == 0.0) & (modes.drifts * sine * modes.speeds[1] > 0.0)
     time, event = step_to_event(modes, settles | (jams & pressed))
+    rate, force, speed = modes.rates[0], modes.forces[0], modes.speeds[0]
+    balance = np.arctan2(speed, -rate * force) % np.pi / rate
+    single = (contact.stick == 0.0) & (contact.loading > 0.0)
+    balances = balances & single & ((balance <= time) | (event == NEVER))
+    time = np.where(balances, balance, time)
+    event = np.where(balances, BALANCED, event)
     (w_1, w_2), (g_1, g_2), (sum_1, sum_2) = oscillators(modes, time, sums=True)
     event = np.where((event == SETTLED) & pressed, NEVER, event)
     still = (event == NEVER) | (event == SETTLED)
