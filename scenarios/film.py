@@ -41,6 +41,7 @@ SCENARIO = Scenario(
     plot=plot,
     series=series,
     without=("contact", "contact_duration", "wire_damping_ratio"),
+    options=("workers", "store"),
     highest={
         "wire_links": (
             16,

@@ -104,10 +104,6 @@ def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str])
         from_file, idle = scenario.assignments_from(options.parameters)
         options.set = [*from_file, *options.set]
         remarks += idle
-    for key in () if options.sweep else {"workers", "store"} & scenario.keys().keys():
-        if (given := getattr(options, key)) is not None:
-            options.set = [*options.set, f"{key}={given}"]
-            setattr(options, key, None)
     values = scenario.values_of(options.set)
     remarks += scenario.warnings_of(options.set, values)
     return values

@@ -224,7 +224,7 @@ def parser_of(
     An option that has no effect on the scenario is left out of the parser, and has the value None.
     """
     parser = Parser(prog=program, description=scenario.question, allow_abbrev=False)
-    left_out = set[str]()
+    left_out = {*scenario.options}
     if "hub_speed" not in scenario.keys():  # noqa: SIM118
         left_out |= {"parameters", "write_tool"}
     if scenario.film is None:

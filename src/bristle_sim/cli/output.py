@@ -26,7 +26,9 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.readable import WIDTH, finite
 from bristle_sim.version import __version__, named_commit
 
-SILENCE = 15.0  # longest time between two printed reports on the progress of a computation, s
+# Time between two printed reports on the progress of a computation, s: on a terminal, and elsewhere
+REFRESH = 0.5
+SILENCE = 15.0
 # Exit status of a shell whose command was ended by a signal, less the signal's number
 SIGNALLED = 128
 LATER = 1e-3  # delay, s, after which a signal that arrived within pymunk is repeated
@@ -49,7 +51,7 @@ def progress(program: str) -> Iterator[None]:
         return
     log = logging.getLogger("bristle_sim")
     ended = threading.Event()
-    shown = _Progress(program, terminal=sys.stderr.isatty())
+    shown = _Progress(program)
     reminder = threading.Thread(target=shown.remind, args=(ended,), daemon=True)
     level = log.level
     log.addHandler(shown)
@@ -59,53 +61,44 @@ def progress(program: str) -> Iterator[None]:
         yield
     finally:
         ended.set()
+        reminder.join()
         log.removeHandler(shown)
         log.setLevel(level)
-        if shown.terminal:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 class _Progress(logging.Handler):
     """Log handler that keeps the last report on the progress of a computation.
 
-    A terminal shows each report at once. Any other stream shows the last report every SILENCE
-    seconds.
+    It prints a warning at once.
     """
 
-    def __init__(self, program: str, *, terminal: bool) -> None:
+    def __init__(self, program: str) -> None:
         super().__init__(logging.INFO)
         self.program = program
-        self.terminal = terminal
         self.last = "computing"
-        self.started = time.monotonic()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep a report on the progress, and show it at once on a terminal; print a warning at
-        once.
-        """
+        """Keep a report on the progress; print a warning."""
         if record.levelno >= logging.WARNING:
             print_error(f"{self.program}: warning: {record.getMessage()}")
-            return
-        self.last = record.getMessage()
-        if self.terminal:
-            print(f"\r\x1b[K{self.program}: {self.last}", end="", file=sys.stderr, flush=True)
+        else:
+            self.last = record.getMessage()
 
     def remind(self, ended: threading.Event) -> None:
-        """Print the elapsed time and the last report every SILENCE seconds until ``ended`` is set.
+        """Print the elapsed time and the last report at intervals until ``ended`` is set.
 
         Nothing is printed while a progress bar is shown.
         """
-        before, end = ("\r\x1b[K", "") if self.terminal else ("", "\n")
-        while not ended.wait(SILENCE):
-            if getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()):
-                continue
-            passed = f"{time.monotonic() - self.started:.0f} s"
-            print(
-                f"{before}{self.program}: {passed}: {self.last}",
-                end=end,
-                file=sys.stderr,
-                flush=True,
-            )
+        started = time.monotonic()
+        terminal = sys.stderr.isatty()
+        line = "\r\x1b[K{}" if terminal else "{}\n"
+        while not ended.wait(REFRESH if terminal else SILENCE):
+            if not getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()):
+                passed = f"{time.monotonic() - started:.0f} s"
+                words = f"{self.program}: {passed}: {self.last}"
+                print(line.format(words), end="", file=sys.stderr, flush=True)
+        if terminal:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 @contextmanager
