@@ -63,7 +63,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         """Write the page of the comparison."""
         from bristle_sim.render.report import write_comparison
 
-        write_comparison(target, names, reports, changed, rows, verdict)
+        write_comparison(target, names, reports, changed=changed, rows=rows, verdict=verdict)
 
     heads = ["quantity", "unit", names[0], names[1] + " (second)" * (names[0] == names[1])]
     values = [(one.name, one.unit, one.simulated, two.simulated) for one, two in pairs]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from bristle_sim.render.style import MILLIMETRES, Look
 LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
 # Largest distance of a drawn bar from the hub's centre, over the wires' largest distance
 BAR_SHOWN = 2.0
+POINTS = 201  # number of points of a straight piece of wire that are tried for a touch
 HUB_COLOUR = "#f3f3f3"
 BAR_COLOUR = "#bdbdbd"
 
@@ -155,23 +156,20 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
     """Return the points where neighbouring wires touch, from the hub's centre, mm, shape (touches,
     2).
 
-    Two wires touch if a corner or an end of one wire is within 1.05 wire diameters of the other
-    wire's centre line. ``lines`` holds the centre lines, each of shape (corners, 2), m;
-    ``diameter`` is in m.
+    Two wires touch if they are within 1.05 wire diameters, from centre line to centre line.
+    ``lines`` holds the centre lines, each of shape (corners, 2), m; ``diameter`` is in m.
     """
+    part = np.linspace(0.0, 1.0, POINTS)[:, np.newaxis]
+    finely = [
+        np.concatenate([start + part * (end - start) for start, end in pairwise(line)])
+        for line in lines
+    ]
     places = []
-    for pair in itertools.pairwise([line @ [1.0, 1.0j] for line in lines]):
-        gaps = []
-        for points, line in (pair, pair[::-1]):
-            along = np.diff(line)
-            start = points[1:, np.newaxis] - line[:-1]
-            part = np.clip((start * along.conj()).real / np.abs(along) ** 2, 0.0, 1.0)
-            across = start - part * along
-            middles = points[1:, np.newaxis] - 0.5 * across
-            gaps += [*zip(np.abs(across).flat, middles.flat, strict=True)]
-        gap, place = min(gaps, key=lambda each: each[0])
-        if gap < 1.05 * diameter:
-            places.append((place.real, place.imag))
+    for one, other in pairwise(finely):
+        gaps = np.linalg.norm(one[:, np.newaxis] - other, axis=-1)
+        row, column = np.unravel_index(np.argmin(gaps), gaps.shape)
+        if gaps[row, column] < 1.05 * diameter:
+            places.append(0.5 * (one[row] + other[column]))
     return MILLIMETRES * np.reshape(places, (-1, 2))
 
 

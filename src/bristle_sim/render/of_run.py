@@ -57,10 +57,8 @@ def summary_page(run: Trajectory) -> str:
     with contextlib.suppress(ValueError):  # the parameters of the run may describe no tool
         tool = run.tool
     path = run.course(points=POINTS).tip if run.time[-1] > run.time[0] else run.tip
-    points = np.concatenate([path, wire])
-    size = np.ptp(points, axis=0)
-    border = MARGIN * size.max()
-    left, bottom = points.min(axis=0) - border
-    width, height = size + 2.0 * border
-    view = {"left": left, "top": bottom + height, "width": width, "height": height}
-    return filled("summary.html.jinja", run=run, path=path, wire=wire, view=view, tool=tool)
+    points = np.concatenate([path, wire]) * [1.0, -1.0]
+    border = MARGIN * np.ptp(points, axis=0).max()
+    corner = points.min(axis=0) - border
+    box = (*corner, *(points.max(axis=0) + border - corner))
+    return filled("summary.html.jinja", run=run, path=path, wire=wire, box=box, tool=tool)

@@ -12,6 +12,7 @@ import platform
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -82,17 +83,22 @@ def write_report(
     Raises:
         OSError: if a file cannot be written; the message names it.
     """
-    run = getattr(report.subject, "trajectory", None)
-    tool = getattr(report.subject, "tool", None)
     figures = list[Markup]()
     missing = ""
     if plot is not None:
         try:
-            figures = _embedded_figures(report, plot, plot_is_folder, name.replace("_", " "))
+            figures = _figures(partial(plot, report), plot_is_folder, name.replace("_", " "))
         except ValueError as error:
             missing = f"no figure: {error}"
     rows: Sequence[Mapping[str, Any]] = report.extra.get("rows") or [{}]
-    rows = rows if "status" in rows[0] else []
+    if "status" not in rows[0]:
+        rows = []
+    run = getattr(report.subject, "trajectory", None)
+    tool = getattr(report.subject, "tool", None)
+    motion = None
+    if isinstance(run, Trajectory) and isinstance(tool, Tool):
+        motion = motion_data(run, tool)
+    keys = rows[0] if rows else ()
     content = {
         "name": name,
         "question": question,
@@ -104,9 +110,7 @@ def write_report(
         "verdict": verdict(report),
         "table": cells(report.quantities),
         "rows": rows,
-        "head": [key for key in rows[0] if any(row[key] not in (None, "") for row in rows)]
-        if rows
-        else [],
+        "head": [key for key in keys if any(row[key] not in (None, "") for row in rows)],
         "counts": Counter(row["status"] for row in rows),
         "remarks": [
             each
@@ -114,15 +118,13 @@ def write_report(
             if each and not (rows and ALIGNED.search(each))
         ],
         "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
-        "motion": motion_data(run, tool)
-        if isinstance(run, Trajectory) and isinstance(tool, Tool)
-        else None,
+        "motion": motion,
         "versions": {
             "bristle_sim": __version__,
             **named_commit(),
             "Python": platform.python_version(),
-        }
-        | {library: metadata.version(library) for library in LIBRARIES},
+            **{library: metadata.version(library) for library in LIBRARIES},
+        },
     }
     _write(path, "report.html.jinja", alone=False, **content)
 
@@ -131,9 +133,7 @@ def write_comparison(
     path: Path,
     names: Sequence[str],
     reports: Sequence[Report],
-    changed: Sequence[Sequence[str]],
-    rows: Sequence[Sequence[str]],
-    verdict: str,
+    **tables: Any,
 ) -> None:
     """Write the comparison of two passes as an HTML page, which appears only when it is complete.
 
@@ -141,39 +141,20 @@ def write_comparison(
         path: file of the page.
         names: names of the two tools.
         reports: reports of the two passes.
-        changed: a row for each parameter that differs: its key and both values.
-        rows: a row for each quantity: label, unit, both values, and their difference.
-        verdict: the result of the comparison in a sentence.
+        tables: ``changed``, a row for each parameter that differs: its key and both values;
+            ``rows``, a row for each quantity: label, unit, both values, and their difference; and
+            ``verdict``, the result of the comparison in a sentence.
 
     Raises:
         OSError: if the file cannot be written; the message names it.
     """
-
-    def plot(report: Report, target: Path) -> None:
-        save_figure(pass_figure(report.subject.trajectory, report.subject.tool), target)
-
-    def plot_both(_: Report, target: Path) -> None:
-        runs = [each.subject.trajectory for each in reports]
-        save_figure(pair_figure(names, runs), target)
-
-    passes = [
-        (name, each.answer, *_embedded_figures(each, plot))
-        for name, each in zip(names, reports, strict=True)
-    ]
-    both = _embedded_figures(reports[0], plot_both)
-    content = {"names": names, "passes": passes, "changed": changed, "rows": rows}
-    _write(path, "comparison.html.jinja", **content, verdict=verdict, both=both)
-
-
-def explore_page(knobs: Sequence[dict[str, Any]], **choices: Mapping[str, str]) -> str:
-    """Return the HTML of the interactive page of a tool, which requests simulations from its
-    server.
-
-    ``knobs`` are the controls, from :func:`bristle_sim.cli.explore.bench.knobs`. ``choices`` are
-    labels by name: the example tools ``presets``, the files ``downloads``, and the ``quantities``
-    of the map.
-    """
-    return filled("explore.html.jinja", keys=knobs, **choices)
+    passes = []
+    for name, report in zip(names, reports, strict=True):
+        figure = pass_figure(report.subject.trajectory, report.subject.tool)
+        passes.append((name, report.answer, *_figures(partial(save_figure, figure))))
+    pair = pair_figure(names, [each.subject.trajectory for each in reports])
+    both = _figures(partial(save_figure, pair))
+    _write(path, "comparison.html.jinja", names=names, passes=passes, both=both, **tables)
 
 
 def filled(template: str, **content: Any) -> str:
@@ -210,11 +191,8 @@ def verdict(report: Report) -> str:
     return f"{said}; not: {', '.join(missed)}." if missed else f"{said}."
 
 
-def _embedded_figures(
-    report: Report,
-    plot: Callable[[Report, Path], None],
-    plot_is_folder: bool = False,
-    name: str = "the run",
+def _figures(
+    plot: Callable[[Path], object], plot_is_folder: bool = False, name: str = "the run"
 ) -> list[Markup]:
     """Draw the figures of a report, and return them as HTML without external files.
 
@@ -222,19 +200,12 @@ def _embedded_figures(
     """
     found = []
     with TemporaryDirectory() as folder:
-        target = Path(folder)
-        plot(report, target if plot_is_folder else target / "figure.svg")
-        for path in sorted(target.iterdir()):
+        plot(Path(folder) if plot_is_folder else Path(folder) / "figure.svg")
+        for path in sorted(Path(folder).iterdir()):
             if path.suffix == ".svg":
-                drawing = path.read_text(encoding="utf-8")
-                drawing = re.sub(
-                    r"<metadata>.*?</metadata>",
-                    "",
-                    drawing[drawing.index("<svg") :],
-                    flags=re.DOTALL,
-                )
+                drawing = path.read_text(encoding="utf-8").partition("<svg")[2]
                 named = Markup('<svg role="img" aria-label="figure of {}"').format(name)
-                found.append(named + Markup(drawing.removeprefix("<svg")))
+                found.append(named + Markup(drawing))
             else:
                 words = path.stem.replace("_", " ")
                 found.append(Markup('<img src="{}" alt="{}">').format(_embedded(path), words))

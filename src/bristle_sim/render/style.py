@@ -199,9 +199,10 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     """
     target = checked_target(path, FIGURE_SUFFIXES)
     kind = target.suffix.lower().removeprefix(".")
-    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
+    stated = {"svg": ("Creator", "Date", "Format", "Type"), "pdf": ("CreationDate",)}
+    none = dict.fromkeys(stated.get(kind, ()))
     with complete_or_absent(target) as partial, styled():
-        figure.savefig(partial, format=kind, metadata=undated)
+        figure.savefig(partial, format=kind, metadata=none)
     return target
 
 

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.arrays import Array
+from bristle_sim.readable import amount
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, add_arrows, draw_film_tool, show_wires
@@ -30,8 +31,6 @@ LOOKS = {
 }
 """Label, colour and marker of each quantity of a strike."""
 
-LINK_COLOURS = (ORANGE, GREEN, BLUE)
-
 
 @style.styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
@@ -41,58 +40,52 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     and over the number of links that model the wire.
     """
     figure = style.blank_figure(16.0, 13.6)
-    size = (6.3, 4.6)
     _draw_force(figure, struck)
-    by_links = style.add_panel(figure, (9.4, 8.1, 6.3, 4.2), "measures over the number of links")
-    impulse = style.add_panel(figure, (1.4, 1.2, *size), "impulse over the contact's duration")
-    others = style.add_panel(figure, (9.4, 1.2, *size), "measures over the contact's duration")
+    links = struck.strike.tool.bristle.links
+    labels = {"xlabel": "number of links", "ylabel": "wire / rigid bristle"}
+    title = "measures over the number of links"
+    by_links = style.add_panel(figure, (9.4, 8.1, 6.3, 4.2), title, **labels)
+    labels = {
+        "xlabel": "contact of the rigid bristle, $T$ (µs)",
+        "ylabel": f"wire of {links} links / rigid bristle",
+    }
+    title = "measures over the contact's duration"
+    by_duration = style.add_panel(figure, (1.4, 1.2, 14.3, 4.6), title, xscale="log", **labels)
     durations = study.durations * style.MICROSECONDS
-    most = max(study.by_duration)
     for name, (words, color, marker) in LOOKS.items():
         look: style.Look = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
         by_links.plot(study.links, study.by_links[name], **look, linestyle="none")
-        others.plot(durations, study.by_duration[most][name], **look)
-    for color, (links, found) in zip(
-        LINK_COLOURS[-len(study.by_duration) :], study.by_duration.items(), strict=True
-    ):
-        ratio = found["normal_final_impulse"]
-        impulse.plot(durations, ratio, "o-", color=color, markersize=3.0, label=f"{links} links")
-    own = struck.strike.contact.duration * style.MICROSECONDS
-    for axes in (impulse, others):
-        axes.set(xscale="log", xlabel="contact of the rigid bristle, $T$ (µs)")
-        axes.xaxis.set_major_formatter("{x:g}")
-        if axes.get_xlim()[0] < own < axes.get_xlim()[1]:
-            axes.axvline(own, color=BLACK, linewidth=0.8, dashes=(2, 2), zorder=1)
-            style.note(axes, "as in a, b", (own, 0.0), (3.0, 5.0), color=BLACK)
-    by_links.set(xlabel="number of links", ylabel="wire / rigid bristle")
-    impulse.set_ylabel("impulse, wire / rigid bristle")
-    others.set_ylabel(f"wire of {most} links / rigid bristle")
+        by_duration.plot(durations, study.by_duration[name], **look)
     by_links.xaxis.set_major_locator(MaxNLocator(integer=True))
-    for axes in (by_links, impulse, others):
+    by_duration.xaxis.set_major_formatter("{x:g}")
+    own = struck.strike.contact.duration * style.MICROSECONDS
+    if durations.min() < own < durations.max():
+        by_duration.axvline(own, color=BLACK, linewidth=0.8, dashes=(2, 2), zorder=1)
+        style.note(by_duration, "as in a, b", (own, 0.0), (3.0, 5.0), color=BLACK)
+    for axes in (by_links, by_duration):
         axes.axhline(1.0, color=GREY, linewidth=0.8, dashes=(4, 2), zorder=1)
         axes.set_ylim(bottom=0.0)
-        place: style.Look = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.985), "ncols": 4}
+        place: style.Look = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.985), "ncols": 4}
         axes.legend(**place, handlelength=1.0, handletextpad=0.4, columnspacing=0.8)
     return figure
 
 
 def _draw_force(figure: Figure, struck: FlexibleWire) -> None:
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
-    times = rigid["peak_force"] / own["peak_force"]
-    axes = style.add_panel(
-        figure, (1.4, 8.1, 6.3, 4.2), f"the rigid bristle pushes {times:.2g} times as hard"
-    )
     clock = style.scale_for(max(rigid["time_in_touch"], own["time_in_touch"]), "s")
-    names = ("rigid bristle", f"wire of {struck.strike.tool.bristle.links} links")
-    for run, color, name, values in zip(
-        (struck.rigid, struck.wire), (GREY, BLUE), names, (rigid, own), strict=True
+    labels = {"xlabel": f"time since the first touch ({clock.unit})", "ylabel": "normal force (N)"}
+    times = rigid["peak_force"] / own["peak_force"]
+    title = f"the rigid bristle pushes {times:.2g} times as hard"
+    axes = style.add_panel(figure, (1.4, 8.1, 6.3, 4.2), title, **labels)
+    wire = f"wire of {struck.strike.tool.bristle.links} links"
+    for run, color, name, values in (
+        (struck.rigid, GREY, "rigid bristle", rigid),
+        (struck.wire, BLUE, wire, own),
     ):
-        shown = style.scale_for(values["normal_final_impulse"], "N·s")
-        label = f"{name}, {values['normal_final_impulse'] * shown.factor:.3g} {shown.unit}"
         time, force = _force(run)
+        label = f"{name}, {amount(values['normal_final_impulse'], 'N s')}"
         axes.fill_between(time * clock.factor, force, color=color, alpha=0.12, linewidth=0.0)
         axes.plot(time * clock.factor, force, color=color, label=label)
-    axes.set(xlabel=f"time since the first touch ({clock.unit})", ylabel="normal force (N)")
     axes.set_xlim(left=0.0)
     axes.set_ylim(0.0, 1.3 * max(rigid["peak_force"], own["peak_force"]))
     axes.legend(loc="upper right", labelspacing=0.3)

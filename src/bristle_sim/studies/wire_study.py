@@ -26,14 +26,13 @@ class WireStudy:
 
     Attributes:
         durations: contact stiffnesses, given as durations of the rigid bristle's contact, s.
-        by_duration: ratios to the rigid bristle at each of ``durations``, by number of links and
-            name of the measure.
+        by_duration: ratios to the rigid bristle at each of ``durations``, by name of the measure.
         links: numbers of links.
         by_links: ratios to the rigid bristle at each of ``links``, by name of the measure.
     """
 
     durations: Array
-    by_duration: dict[int, dict[str, Array]]
+    by_duration: dict[str, Array]
     links: Array
     by_links: dict[str, Array]
 
@@ -42,8 +41,8 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     """Simulate the strikes for the figure of the study.
 
     ``stiffnesses`` are contact stiffnesses, given as durations of the rigid bristle's contact over
-    the requested duration. On each of them wires of 2, 4 and 8 links strike. On the requested
-    stiffness wires of every number of links up to the tool's number strike.
+    the requested duration. On each of them the tool's wire strikes. On the requested stiffness
+    wires of every number of links up to the tool's number strike.
     """
     most = strike.tool.bristle.links
     durations = strike.contact.duration * np.array(stiffnesses)
@@ -65,9 +64,6 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
         return {name: np.array([each[name] for each in found]) for name in MEASURES}
 
     contacts = [ContactStiffness(duration) for duration in durations.tolist()]
-    by_duration = {
-        links: compared(strike.of(links, contact=each, settings=coarse) for each in contacts)
-        for links in [links for links in (2, 4, 8) if links <= most] or [most]
-    }
+    by_duration = compared(strike.of(most, contact=each, settings=coarse) for each in contacts)
     by_links = compared(strike.of(links, settings=coarse) for links in numbers)
     return WireStudy(durations, by_duration, np.array(numbers, dtype=float), by_links)

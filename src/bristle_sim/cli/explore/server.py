@@ -23,7 +23,7 @@ from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.worker import Workers
 from bristle_sim.cli.scenario import main_scenario
-from bristle_sim.render.report import explore_page
+from bristle_sim.render.report import filled
 
 OF_THE_PAGE = ("pin", "on", "fine")  # parts of a request that are not parameters of the tool
 READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
@@ -47,8 +47,9 @@ def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
     app = Flask("bristle_sim.cli.explore", static_folder=None)
     pass_of = main_scenario()
     workers = Workers()
-    page = explore_page(
-        bench.knobs(pass_of, start),
+    page = filled(
+        "explore.html.jinja",
+        keys=bench.knobs(pass_of, start),
         presets=bench.PRESETS,
         downloads=bench.DOWNLOADS,
         quantities=bench.COLOURS,
