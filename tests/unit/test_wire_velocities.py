@@ -25,8 +25,7 @@ def test_symmetric_steps_have_even_powers_of_the_step_alone(damping: float) -> N
     for count in (16, 32, 64, 128):
         step = duration / count
         scene.place(state, -0.5 * step)
-        assert scene.engine.take_symmetric is not None
-        ends.append(np.array(scene.engine.take_symmetric(step, count)[:6]))
+        ends.append(np.array(scene.engine.take(step, count, symmetric=True)[:6]))
     errors = np.abs(np.diff(ends, axis=0)).max(axis=1)
     finer = [(4.0 * b - a) / 3.0 for a, b in itertools.pairwise(ends)]
     left = np.abs(np.diff(finer, axis=0)).max(axis=1)

@@ -11,7 +11,6 @@ when the step is extrapolated to zero. For the same reason touching shapes are n
 from __future__ import annotations
 
 import cmath
-import functools
 import itertools
 import math
 from collections.abc import Sequence
@@ -96,7 +95,7 @@ class Scene:
             self.hub,
             self.links,
             self.joints,
-            functools.partial(solver, mechanism, damping, self.hub, self.links),
+            solver(mechanism, damping, self.hub, self.links),
             several_links=mechanism.wire_links > 1,
         )
         self.turned = 0.0

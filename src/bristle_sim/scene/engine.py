@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import partial
 from operator import sub
 from typing import Any
 
@@ -53,8 +53,8 @@ class EngineSteps:
         work: cost of the steps taken: a step counts once for every ``LINKS_OF_A_STEP`` links, or
             part of them.
         place: sets positions and velocities of all bodies.
-        take_symmetric: function that takes time-symmetric steps; None for wires of a single link,
-            which take plain steps.
+        joint_solver: solver of joints, damping and sustained contacts.
+        several_links: whether a wire has several links. Time-symmetric steps are then possible.
     """
 
     def __init__(
@@ -63,12 +63,14 @@ class EngineSteps:
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
         joints: Sequence[pymunk.Constraint],
-        make_solver: Callable[[], Any],
+        joint_solver: Any,
         *,
         several_links: bool,
     ) -> None:
-        """Prepare the steps of a space; ``make_solver`` is called when the solver is first
-        needed.
+        """Prepare the steps of a space.
+
+        ``joint_solver`` is a ``solver.WireVelocities``, or a ``solver.LinkVelocity`` for a single
+        link. ``several_links`` is whether a wire has several links.
         """
         self.space = space
         self.joints = joints
@@ -77,33 +79,28 @@ class EngineSteps:
         self.place = Placer(bodies)
         self._kept = Placer(bodies)
         self._links = [link._body for link in links]
-        self._make_solver = make_solver
-        self._several_links = several_links
+        self.joint_solver = joint_solver
+        self.several_links = several_links
         self._last_length = math.inf
         space.step(0.0)  # all that was added is in the space from here on
-        self._engine_step: Callable[[float], None] = partial(lib.cpSpaceStep, bare_space(space))
+        # The pointer does not own the space. A reference to space._space, which frees it, must not
+        # outlive the pymunk space: the garbage collector, in another thread, may then remove
+        # bodies, shapes and constraints from the space while it is being freed.
+        bare = ffi.cast("cpSpace *", space._space)
+        self._engine_step: Callable[[float], None] = partial(lib.cpSpaceStep, bare)
         self._price = math.ceil(len(links) / LINKS_OF_A_STEP)
         springs = [
             each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)
         ]
         self._dampings = [(spring, spring.damping) for spring in springs if spring.damping]
         self._solve: Callable[[float], None] | None = None
-        self.take_symmetric = self._take_symmetric if several_links else None
         self.keep_closed(())
-
-    @cached_property
-    def joint_solver(self) -> Any:
-        """Solver of joints, damping and sustained contacts, created when it is first needed.
-
-        It is a ``solver.WireVelocities``, or a ``solver.LinkVelocity`` for a single link.
-        """
-        return self._make_solver()
 
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
         """Keep the given sustained contacts closed from now on; () returns to steps without
         contacts.
         """
-        solving = bool(contacts) or self._several_links
+        solving = bool(contacts) or self.several_links
         if solving is (self._solve is None):
             self._solve = self.joint_solver.solve if solving else None
             for spring, damping in self._dampings:
@@ -128,17 +125,40 @@ class EngineSteps:
         """Return the rates of the links, rad per time unit."""
         return list(map(lib.cpBodyGetAngularVelocity, self._links))
 
-    def take(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
-        """Take ``count`` engine steps of equal length, calling ``act`` before each step.
+    def take(
+        self,
+        length: float,
+        count: int,
+        act: Callable[[], None] | None = None,
+        *,
+        symmetric: bool = False,
+    ) -> list[float]:
+        """Take engine steps of equal length.
+
+        Args:
+            length: length of a step.
+            count: number of steps; even for symmetric steps.
+            act: function that is called before each step.
+            symmetric: whether the steps are symmetric in time. The bodies must have been placed
+                where they would have been half a step earlier.
 
         Returns:
-            The angles of all links, then their rates, then their accelerations in the last step.
+            The angles of all links, then their rates, then their accelerations in the last step, or
+                in the last two symmetric steps.
         """
-        self._begin(length, count)
+        self.steps += count
+        self.work += count * self._price
+        ratio = LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO
+        if length > ratio * self._last_length:
+            self._forget_impulses(length)
+        self._last_length = length
+        if symmetric:
+            self.joint_solver.begin_symmetric()
         step = self._engine_step
         solve = self._solve
+        last = 2 if symmetric else 1
         for left in range(count, 0, -1):
-            if left == 1:
+            if left == last:
                 before = self.rates()
             if act is not None:
                 act()
@@ -149,46 +169,16 @@ class EngineSteps:
         if len(after) == 1:
             # A single link needs no lists, which would make a pass slower by a thirtieth.
             return [lib.cpBodyGetAngle(self._links[0]), *after, (after[0] - before[0]) / length]
-        changes = map(sub, after, before)
-        return [*self.angles(), *after, *[change / length for change in changes]]
+        angles = self.angles()
+        if symmetric:
+            self.joint_solver.symmetric = False
+            angles = [a + 0.5 * length * rate for a, rate in zip(angles, after, strict=True)]
+        return [*angles, *after, *[each / (last * length) for each in map(sub, after, before)]]
 
-    def _take_symmetric(
-        self, length: float, count: int, act: Callable[[], None] | None = None
-    ) -> list[float]:
-        """Take an even number of time-symmetric steps; return the same values as ``take``.
-
-        The bodies must have been placed where they would have been half a step earlier.
+    def _forget_impulses(self, length: float) -> None:
+        """Make the engine forget the joint impulses of the last step before much longer steps,
+        because it would scale them by the ratio of the lengths.
         """
-        self._begin(length, count)
-        solver = self.joint_solver
-        solver.begin_symmetric()
-        for left in range(count, 0, -1):
-            if left == 2:
-                before = self.rates()
-            if act is not None:
-                act()
-            self._engine_step(length)
-            solver.solve(length)
-        solver.symmetric = False
-        after = self.rates()
-        angles = [
-            angle + 0.5 * length * rate for angle, rate in zip(self.angles(), after, strict=True)
-        ]
-        return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
-
-    def _begin(self, length: float, count: int) -> None:
-        """Count the steps that are about to be taken, and decide how the first of them starts.
-
-        If these steps are much longer than the last one, the engine is made to forget the joint
-        impulses of the last step, because it would scale them by the ratio of the lengths.
-        """
-        self.steps += count
-        self.work += count * self._price
-        ratio = LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO
-        warm = length <= ratio * self._last_length
-        self._last_length = length
-        if warm:
-            return
         for joint in self.joints:
             joint.max_force = 0.0
         # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
@@ -198,17 +188,6 @@ class EngineSteps:
             self._kept(None)
         for joint in self.joints:
             joint.max_force = math.inf
-
-
-def bare_space(space: pymunk.Space) -> Any:
-    """Return the engine's pointer to a space, valid only while the pymunk space exists.
-
-    The pointer does not own the space, unlike ``space._space``, which frees the engine's space. A
-    reference to ``space._space`` must not outlive the pymunk.Space: bodies, shapes and constraints
-    may then be garbage too, and the garbage collector, in another thread, may remove them from the
-    space while it is being freed.
-    """
-    return ffi.cast("cpSpace *", space._space)
 
 
 class Placer:

@@ -148,24 +148,20 @@ class Event:
         """
         if self.tolerance is None:
             self.noise = noise
-        if self.kind in BEGINS_POSITIVE:
+        least = max(self.noise, ROUNDED_TOLERANCES * (self.tolerance or 0.0))
+        if self.kind in BEGINS_POSITIVE and not self.at(start) < -least:  # also where it is NaN
             self.sign = 1.0
-            if abs(self.at(start)) <= ROUNDED_TOLERANCES * (self.tolerance or 0.0):
-                return
-        self.sign = self.sign_at(start)
-
-    def sign_at(self, result: IntervalResult) -> float | None:
-        """Return the value's sign at a result; the last sign if the value is too small to have one."""
-        value = self.at(result)
-        return math.copysign(1.0, value) if abs(value) > self.noise else self.sign
+        else:
+            self.follow(start)
 
     def follow(self, end: IntervalResult) -> None:
         """Update the sign with the value at an interval's end.
 
-        A change of sign that is an event is left to the next interval, which then begins with the
-        event.
+        A value that is too small to have a sign leaves the last one. A change of sign that is an
+        event is left to the next interval, which then begins with the event.
         """
-        sign = self.sign_at(end)
+        value = self.at(end)
+        sign = math.copysign(1.0, value) if abs(value) > self.noise else self.sign
         if self.sign in (None, sign) or self.direction == self.sign:
             self.sign = sign
 

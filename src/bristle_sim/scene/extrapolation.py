@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from operator import mul
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
@@ -203,9 +204,9 @@ class Extrapolation:
 
         A repetition is left out if its rounding error would exceed the tolerance.
         """
-        symmetric = scene.engine.take_symmetric if load is None or load.symmetric else None
-        take = symmetric or scene.step
-        halved = load is None and symmetric is None
+        symmetric = scene.engine.several_links and (load is None or load.symmetric)
+        take = partial(scene.step, symmetric=True) if symmetric else scene.step
+        halved = load is None and not symmetric
         table = self.table = EVEN if symmetric else HALVED if halved else self._given
         known: dict[int, float] = {}
         links = len(scene.links)

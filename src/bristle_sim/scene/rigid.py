@@ -50,7 +50,7 @@ class RigidContacts:
         self.scene = scene
         self.closed = closed
         self._solver = scene.engine.joint_solver
-        self._paired = paired and scene.engine.take_symmetric is not None
+        self._paired = paired and scene.engine.several_links
         self._step = 0.0
 
     def engage(self, state: State) -> None:

@@ -18,7 +18,7 @@ from bristle_sim.parameters import START, Bristle, Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw
-from bristle_sim.scene.mechanism import Complexes, Link, Mechanism
+from bristle_sim.scene.mechanism import Link, Mechanism
 from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pairs
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
@@ -179,12 +179,23 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
 
     The links divide the centre line into parts of equal length. In the unstressed wire all links
     have the same angle; at the angle 0 the shank, from root to knee, points along (0, -1). The link
-    that contains the knee is bent.
+    that contains the knee is bent. A link's mass equals its length.
     """
-    size = bristle.length
-    corners = np.array([0j, *(complex(*place) / size for place in bristle.path)])
+    corners = np.array([0j, *(complex(*place) for place in bristle.path)]) / bristle.length
+    distances = np.cumsum([0.0, *abs(np.diff(corners))])  # of the corners, along the wire
     borders = [number / bristle.links for number in range(bristle.links + 1)]
-    return tuple(_link(_between(corners, *ends)) for ends in itertools.pairwise(borders))
+    links = []
+    for low, high in itertools.pairwise(borders):
+        inner = (distances > low + SHORTEST_PIECE) & (distances < high - SHORTEST_PIECE)
+        places = np.interp([low, *distances[inner], high], distances, corners)
+        places -= places[0]
+        masses = abs(np.diff(places))
+        middles = 0.5 * (places[:-1] + places[1:])
+        mass = float(masses.sum())
+        centre = complex(masses @ middles) / mass
+        inertia = float(masses @ (masses**2 / 12.0 + abs(middles - centre) ** 2))
+        links.append(Link(mass, inertia, centre, tuple(places.tolist())))
+    return tuple(links)
 
 
 def wire_hinges(
@@ -211,28 +222,6 @@ def wire_hinges(
         shape = (bristle.mass, length, diameter, modulus, root_stiffness)
         damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
     return ((stiffness / units.energy, damping / units.angular_damping),) * (bristle.links - 1)
-
-
-def _between(corners: Complexes, low: float, high: float) -> Complexes:
-    """Return the part of a centre line between two distances from the root along the line: its ends
-    and corners.
-    """
-    ends = np.cumsum([0.0, *abs(np.diff(corners))])
-    inner = ends[(ends > low + SHORTEST_PIECE) & (ends < high - SHORTEST_PIECE)]
-    return np.asarray(np.interp([low, *inner, high], ends, corners))
-
-
-def _link(corners: Complexes) -> Link:
-    """Return the link that a uniform wire through the given corners forms; its mass equals its
-    length.
-    """
-    places = corners - corners[0]
-    masses = abs(np.diff(places))
-    middles = 0.5 * (places[:-1] + places[1:])
-    mass = float(masses.sum())
-    centre = complex(masses @ middles) / mass
-    inertia = float(masses @ (masses**2 / 12.0 + abs(middles - centre) ** 2))
-    return Link(mass, inertia, centre, tuple(places.tolist()))
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:

@@ -8,6 +8,7 @@ touch.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult
@@ -178,13 +179,7 @@ def find_touch(
     gaps = system.gaps
     integrate_to = interval.integrate_to
     length = interval.length
-
-    def closest(state: State) -> ClosestApproach:
-        return gaps.closest(pair, state)
-
-    def gap_at(at: IntervalResult) -> float:
-        return gaps.gap(pair, at.state)
-
+    closest = partial(gaps.closest, pair)
     fraction = first_touch(
         gaps.mechanism, closest, interval, polynomial_error(system, interval), begin
     )
@@ -193,7 +188,7 @@ def find_touch(
     first = begin * length
     last = fraction * length
     tolerance = min(max(LOCATED_GAP * system.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
-    closed = settle(system, gap_at, interval, first, last, tolerance)
+    closed = settle(system, lambda at: closest(at.state).gap, interval, first, last, tolerance)
     if closed is not None and closest(closed.state).velocity[0] <= 0.0:
         # If the gap were opening at this zero, there would be an earlier zero.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
@@ -215,7 +210,12 @@ def find_touch(
     if at_end < 0.0:
         at_start = max(gaps.gap(pair, interval.at(first)), 1e-300)
         last = locate(
-            lambda time: gap_at(integrate_to(time)), first, last, at_start, at_end, GAP_TOLERANCE
+            lambda time: closest(integrate_to(time).state).gap,
+            first,
+            last,
+            at_start,
+            at_end,
+            GAP_TOLERANCE,
         )
     return interval.up_to(integrate_to(last)), Happening(Kind.TOUCH, pair)
 
