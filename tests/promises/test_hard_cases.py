@@ -174,7 +174,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["jam: default pass, friction 0.001 off the jam"],
     ),
     "a jam that is not seen": (
-        (scene_collisions, "opening_rate", lambda *_: math.inf),
+        (scene_collisions, "_least_opening_rate", lambda *_: math.inf),
         ["touching: wedged in, restitution 0.5"],
     ),
     "a budget that is not kept": (

@@ -157,24 +157,28 @@ class TestImpact:
     def test_friction_of_the_wrong_sign(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """The tangential impulse turned round on its way to the bodies."""
         monkeypatch.setattr(
-            contact_laws, "contact_at", with_turned_friction(contact_laws.contact_at)
+            contact_laws, "contact_at", with_response(contact_laws.contact_at, turned_friction)
         )
         assert failing() == {check_strike_ledger}
 
     def test_impulse_that_misses_the_tip(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """A contact-space mass of a rod a thousandth shorter."""
-        true = contact_laws._of_single_link
+        """The response of a rod a thousandth shorter."""
 
-        def off(scene, pose, touch):
-            return true(scene, pose, touch._replace(arm=0.999 * touch.arm))
+        def off(response: tuple) -> list:
+            return [[0.999 * each for each in changes] for changes in response]
 
-        monkeypatch.setattr(contact_laws, "_of_single_link", off)
+        monkeypatch.setattr(contact_laws, "contact_at", with_response(contact_laws.contact_at, off))
         assert check_strike_ledger in failing()
 
 
-def with_turned_friction(true: Callable[..., tuple]) -> Callable[..., tuple]:
-    def turned(*arguments):
-        touch, space = true(*arguments)
-        return touch, replace(space, response=space.response * [1.0, -1.0])
+def turned_friction(response: tuple) -> tuple:
+    normal, along = response
+    return normal, [-each for each in along]
 
-    return turned
+
+def with_response(true: Callable, change: Callable) -> Callable:
+    def changed(*arguments):
+        point = true(*arguments)
+        return point._replace(response=change(point.response))
+
+    return changed

@@ -8,6 +8,7 @@ import pytest
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.parameters import Bristle, Surface, Tool
 from bristle_sim.scene import impacts
+from bristle_sim.scene.gaps import contact_at
 from bristle_sim.scene.impacts import EngineLaw
 from bristle_sim.scene.mechanism import State, xy
 from bristle_sim.scene.pairs import WorkpartPair
@@ -85,15 +86,30 @@ def test_a_wire_flies_after_an_impact_of_the_engine_as_before_it() -> None:
 
 
 @pytest.mark.parametrize("angle", [-0.6, 0.0, 1.2, -math.pi / 2.0])
-def test_a_single_link_has_the_contact_space_of_its_body_and_joint(angle: float) -> None:
-    """The closed form is exact to the rounding of the joint's elimination; at -90 degrees the tip moves along the
-    normal alone, so that it moves in stick too."""
-    chain = Chain((2.0,), (1.5,), (angle,), (-1.0,), hub_radius=0.7, hub_speed=0.4, hub_angle=0.2)
+@pytest.mark.parametrize("links", [1, 2, 4])
+def test_a_contact_point_is_that_of_bodies_and_joints(angle: float, links: int) -> None:
+    """The inverse mass in the links' rates equals that of bodies with eliminated joints, to its rounding; at -90 degrees
+    the tip of one link moves along the normal alone, so that it moves in stick too."""
+    angles = tuple([angle + 0.2 * number for number in reversed(range(links))])
+    chain = Chain(
+        (2.0, 1.0, 0.5, 1.5)[:links],
+        (1.5, 1.0, 2.0, 1.0)[:links],
+        angles,
+        (-1.0,) * links,
+        hub_radius=0.7,
+        hub_speed=0.4,
+        hub_angle=0.2,
+    )
     scene, state, pair, _ = build_strike(chain, Surface())
-    touch, found = impacts.contact_at(scene, state, pair)
-    (pose,) = scene.mechanism.poses(state)
-    (body,) = scene.links
-    exact = contact_space(body, xy(pose.corners[-1]), xy(touch.normal))
-    for name in ("inverse_mass", "velocity", "response", "in_stick", "stick_compliance"):
-        expected = np.array(getattr(exact, name))
-        assert getattr(found, name) == pytest.approx(expected, rel=1e-13, abs=1e-13), name
+    found = contact_at(scene.mechanism, state, pair)
+    scene.place(state)
+    tip = scene.mechanism.poses(state)[-1].corners[-1]
+    exact = contact_space(scene.links[-1], xy(tip), xy(found.touch.normal))
+    turned = [exact.bodies.index(body) for body in scene.links]
+    assert found.touch.velocity == pytest.approx(exact.velocity, rel=1e-12, abs=1e-12)
+    assert np.array(found.inverse_mass) == pytest.approx(exact.inverse_mass, rel=1e-11, abs=1e-12)
+    assert found.stick_compliance == pytest.approx(exact.stick_compliance, rel=1e-11, abs=1e-12)
+    response = exact.response[2::3][turned]
+    in_stick = exact.in_stick[2::3][turned]
+    assert np.transpose(found.response) == pytest.approx(response, rel=1e-11, abs=1e-12)
+    assert np.array(found.in_stick) == pytest.approx(in_stick, rel=1e-11, abs=1e-12)

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 import pymunk
 
-from bristle_sim.contact_space.joints import Connected
 from bristle_sim.scene.engine import EngineSteps
 from bristle_sim.scene.mechanism import Mechanism, State, xy
 from bristle_sim.scene.pairs import ContactPair
@@ -125,8 +124,8 @@ class Scene:
         for pose, angle, rate in zip(
             self.mechanism.poses(state), state.angles, state.rates, strict=True
         ):
-            velocity = pose.velocity + 1j * rate * (pose.centre - pose.joint)
-            place = pose.centre + drift * velocity
+            velocity = pose.velocity + 1j * rate * pose.to_centre
+            place = pose.joint + pose.to_centre + drift * velocity
             turned = angle - self.turned + drift * rate
             values += (place.real, place.imag, turned, velocity.real, velocity.imag, rate)
         self.engine.place(values)
@@ -136,13 +135,6 @@ class Scene:
         links = len(self.links)
         angles = [angle + self.turned for angle in values[:links]]
         return State(time, tuple(angles), tuple(values[links : 2 * links]))
-
-    @property
-    def connected(self) -> Connected:
-        """The links' bodies, and the joints that transmit an impulse from link to link."""
-        bodies = self.links[::-1]
-        bodies.sort(key=lambda each: each.mass)
-        return bodies, [*self.joints[::-1]]
 
 
 def _add_links(

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.gaps import opening_rate
 from bristle_sim.scene.impacts import ENERGETIC
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.motion import Motion
@@ -97,14 +96,24 @@ def resolve_impacts(
 
 def _least_opening_rate(system: System, pair: ContactPair) -> float:
     """Return the smallest rate at which a single link gains clearance between a pair and any other
-    pair that it touches.
+    pair that it touches. A negative rate wedges the link.
 
-    A negative rate wedges the link.
+    Each contact's normal velocity is drift + lever * rate, where the drift is the part from the
+    motion of the joint and the rate is the link's angular velocity. If the levers have opposite
+    signs, one rate can make both velocities positive only if the sum of drift / abs(lever) is
+    positive; the rate cancels in this sum. Levers of the same sign wedge nothing.
     """
     touch = system.gaps.closest(pair, system.state)
-    closed = [other for other in system.pairs if other is not pair and system.touches(other)]
-    rates = (opening_rate(touch, system.gaps.closest(other, system.state)) for other in closed)
-    return min(rates, default=math.inf)
+    lever = cross(touch.arm, touch.normal)
+    rates = [math.inf]
+    for other in system.pairs:
+        if other is not pair and system.touches(other):
+            second = system.gaps.closest(other, system.state)
+            second_lever = cross(second.arm, second.normal)
+            if lever * second_lever < 0.0:
+                drift = touch.velocity[0] / abs(lever)
+                rates.append(drift + second.velocity[0] / abs(second_lever))
+    return min(rates)
 
 
 def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Motion:

@@ -17,8 +17,8 @@ import numpy as np
 
 from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, Load
-from bristle_sim.scene.gaps import contact_rows
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at
+from bristle_sim.scene.gaps import contact_at, contact_rows
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import SpringContact, SpringForce
@@ -97,15 +97,17 @@ class CompliantLaw(ContactLaw):
         assert isinstance(pair, WorkpartPair), "only the workpart's contacts are resolved in time"
         restitution = pair.restitution
         self._check(restitution)
-        touch, space = contact_at(scene, state, pair)
+        point = contact_at(scene.mechanism, state, pair)
+        touch = point.touch
+        approach = touch.velocity[0]
         resolved = partial(
             energetic_impact,
-            space.inverse_mass,
-            space.velocity,
+            np.array(point.inverse_mass),
+            touch.velocity,
             pair.friction,
             restitution,
             pair.restitution_friction,
-            space.stick_compliance,
+            point.stick_compliance,
         )
         rigid = resolved()
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
@@ -117,20 +119,18 @@ class CompliantLaw(ContactLaw):
         # A tangential spring multiplies rounding of places by its stiffness.
         rounding = max(1.0, 1.0 / compliance) if compliance else 1.0
         duration = self.duration or self._shortest(scene, fastest, unloading / math.sqrt(rounding))
-        depth = -space.velocity[0] * duration * unloading
+        depth = -approach * duration * unloading
         if self.stiffness is not None:
-            depth = max(depth, press / (self.stiffness * float(space.inverse_mass[0, 0])))
+            depth = max(depth, press / (self.stiffness * point.inverse_mass[0][0]))
         if depth < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
         # The stiffness belongs to the surface: later touches have the same one, except in the rigid-body limit.
-        stiffness = self.stiffness or stiffness_for_duration(
-            rigid, space.velocity[0], restitution, duration
-        )
+        stiffness = self.stiffness or stiffness_for_duration(rigid, approach, restitution, duration)
         self.stiffness = self.stiffness if self.duration is None else stiffness
         longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
-        (normal, _), (_, tangential) = space.inverse_mass.tolist()
+        (normal, _), (_, tangential) = point.inverse_mass
         if compliance and tangential:
             rigid = resolved(compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
@@ -151,7 +151,7 @@ class CompliantLaw(ContactLaw):
             finite_duration=self.duration is not None,
             stepper=Extrapolation(tolerance, fastest, repetitions, longest),
             surface=touch.gap,
-            inverse_mass=space.inverse_mass,
+            inverse_mass=point.inverse_mass,
             start=state,
         )
 
@@ -248,4 +248,4 @@ def follow_bodies(scene: Scene, state: State, spring: SpringContact) -> None:
     rest, where the tangential force depends on it.
     """
     if spring.at_rest or not spring.slip:
-        spring.inverse_mass = contact_at(scene, state, spring.pair)[1].inverse_mass
+        spring.inverse_mass = contact_at(scene.mechanism, state, spring.pair).inverse_mass

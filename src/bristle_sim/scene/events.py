@@ -64,8 +64,6 @@ class Kind(StrEnum):
     UNLOADED = auto()  # contact with a spring: its force falls to zero
     # contact with a spring that unloads: the penetration exceeds its earlier maximum
     PRESSED_ON = auto()
-    # contact with a spring pressed on from rest at its deepest point: its approach falls to zero again
-    RELOADING_ENDS = auto()
     # contact with a spring that slips at rest in its normal direction: friction no longer holds it
     REST_ENDS = auto()
     FOOT_STOPS = auto()  # contact with a spring that slips: its foot stops
@@ -85,7 +83,6 @@ SPRING_KINDS = frozenset(
         Kind.COMPRESSION_ENDS,
         Kind.UNLOADED,
         Kind.PRESSED_ON,
-        Kind.RELOADING_ENDS,
         Kind.REST_ENDS,
         Kind.FOOT_STOPS,
         Kind.CONE_REACHED,
@@ -324,8 +321,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         return
     deepest = spring.deepest
     if deepest is None:
-        ends = Kind.RELOADING_ENDS if spring.pressed_on else Kind.COMPRESSION_ENDS
-        yield falls(ends, value=lambda at: -touch(at.state).velocity[0])
+        yield falls(Kind.COMPRESSION_ENDS, value=lambda at: -touch(at.state).velocity[0])
     else:
         residual = spring.residual
         yield falls(Kind.UNLOADED, value=lambda at: (depth(at) - residual) / duration)

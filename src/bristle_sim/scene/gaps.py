@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import Complexes, Mechanism, State, cross
+from bristle_sim.scene.mechanism import Complexes, Mechanism, State, Vector, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 
 # largest distance between a contact and a link's end, over the link's length, at which the contact
 # counts as a contact of that end
 AT_JOINT = 1e-9
+
+ROUNDING = 64.0 * math.ulp(1.0)
+"""Ratio of a lever to the contact point's distance from the joint, and of the motion in stick to
+the motion by a normal impulse, below which it is rounding error: the point cannot move so."""
 
 GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in engine units
 
@@ -75,22 +80,64 @@ def contact_rows(
         ):
             if link is not None and arm is not None:
                 carriers = slice(link - link % mechanism.wire_links, link)
-                row[carriers] += factor * mechanism.constants.tips[carriers] * turn[carriers]
+                row[carriers] += factor * mechanism.tips[carriers] * turn[carriers]
                 row[link] += factor * arm
     return rows.real, -rows.imag
 
 
-def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
-    """Return the rate at which the clearance between two contacts of one link grows; a negative
-    rate wedges the link.
+class ContactPoint(NamedTuple):
+    """How a contact point moves when an impulse acts on it.
 
-    Each contact's normal velocity is drift + lever * rate, where the drift is the part from the
-    motion of the joint and the rate is the link's angular velocity. If the levers have opposite
-    signs, one rate can make both velocities positive only if the sum of drift / abs(lever) is
-    positive; the rate cancels in this sum, which is returned. If the levers have the same sign, the
-    result is infinite.
+    Attributes:
+        touch: closest approach of link and obstacle.
+        inverse_mass: contact-space inverse mass matrix K by rows, order (normal, tangential).
+        response: changes of the links' rates per unit normal impulse, and per unit tangential
+            impulse.
+        in_stick: changes of the links' rates per unit normal impulse while the point does not slip.
+        stick_compliance: change of the normal velocity per unit normal impulse while the point does
+            not slip; 0 if the point cannot move.
     """
-    levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
-    if levers[0] * levers[1] >= 0.0:
-        return math.inf
-    return first.velocity[0] / abs(levers[0]) + second.velocity[0] / abs(levers[1])
+
+    touch: ClosestApproach
+    inverse_mass: tuple[Vector, Vector]
+    response: Sequence[Sequence[float]]
+    in_stick: Sequence[float]
+    stick_compliance: float
+
+
+def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> ContactPoint:
+    """Return the contact point of a pair in a state.
+
+    With the mass matrix M = L L^T and the Jacobian J of the contact velocities, K = J M^-1 J^T. The
+    motion in stick is the part of the normal's column of L^-1 J^T that is orthogonal to the
+    tangent's column. It is found by orthogonal factorization with the largest rows first, which
+    keeps the digits of the small rows of heavy links (Cox and Higham 1998).
+    """
+    touch = pair.closest(mechanism.poses(state), state.rates)
+    if mechanism.single_link:
+        lever = cross(touch.arm, touch.normal)
+        along = cross(touch.arm, touch.tangent)
+        along = along if abs(along) > ROUNDING * abs(touch.arm) else 0.0
+        turning = lever / mechanism.links[0].inertia_about_joint
+        rubbing = along / mechanism.links[0].inertia_about_joint
+        rows = ((lever * turning, lever * rubbing), (lever * rubbing, along * rubbing))
+        free = 0.0 if along else turning  # without tangential motion every impulse acts as in stick
+        return ContactPoint(touch, rows, ((turning,), (rubbing,)), (free,), lever * free)
+    turn = np.exp(1j * np.array(state.angles))
+    levers = np.concatenate(contact_rows(mechanism, turn, [pair], [touch]))
+    levers[1, abs(levers[1]) <= ROUNDING * np.hypot(*levers)] = 0.0
+    to_scaled = np.linalg.inv(np.linalg.cholesky(mechanism.mass_matrix(turn)))
+    columns = to_scaled @ levers.T
+    stick = columns[:, 0].copy()
+    if levers[1].any():
+        order = np.argsort(-abs(columns).max(axis=1))
+        basis, triangle = np.linalg.qr(columns[order, ::-1])
+        stick[order] = basis[:, 1] * triangle[1, 1]
+    first, second = (columns.T @ columns).tolist()
+    return ContactPoint(
+        touch,
+        inverse_mass=(tuple(first), tuple(second)),
+        response=(columns.T @ to_scaled).tolist(),
+        in_stick=(stick @ to_scaled).tolist(),
+        stick_compliance=float(stick @ stick),
+    )

@@ -19,16 +19,17 @@ from typing import Any, ClassVar
 import numpy as np
 import pymunk
 
-from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.scene.build import SHAPE_MARGIN, Scene
-from bristle_sim.scene.mechanism import Pose, State, Vector, cross, xy
+from bristle_sim.scene.gaps import ContactPoint, contact_at
+from bristle_sim.scene.mechanism import State, Vector, xy
 from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair, components
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
-# lever of a direction about the joint, over the distance from joint to contact point, below which
-# it is rounding error: the point cannot move in this direction
-LEVER_ROUNDING = 64.0 * math.ulp(1.0)
+CANCELS = 100.0
+"""Ratio of the two terms of the change of v_t to v_t itself, above which the rates are computed
+from the motion of the contact point: two digits have cancelled there, as where a heavy link leaves
+a sticking contact point hardly any compliance."""
 
 
 class ContactLaw(ABC):
@@ -59,14 +60,13 @@ class ContactLaw(ABC):
         """
 
     def _after(
-        self, scene: Scene, pair: ContactPair, before: State, **entries: Any
+        self, pair: ContactPair, before: State, rates: list[float], **entries: Any
     ) -> tuple[State, ContactRecord]:
-        """Return the state after an impact, and the contact record.
+        """Return the state after an impact, with its new rates, and the contact record.
 
-        The impact must already have changed the rates in the scene. ``entries`` are the entries of
-        the record that depend on the law.
+        ``entries`` are the entries of the record that depend on the law.
         """
-        after = State(before.time, before.angles, tuple(scene.rates()))
+        after = State(before.time, before.angles, tuple(rates))
         missing = dict.fromkeys(("compressive_impulse", "compressive_work", "restitutive_work"))
         return after, ContactRecord(
             obstacle=pair.name,
@@ -78,52 +78,6 @@ class ContactLaw(ABC):
             rates_after=after.rates,
             **{**missing, **entries},
         )
-
-
-def contact_at(
-    scene: Scene, state: State, pair: ContactPair
-) -> tuple[ClosestApproach, ContactSpace]:
-    """Place the scene's bodies at a state, and describe the contact of a pair.
-
-    Returns:
-        The closest approach of the two bodies, and the contact space: inverse mass matrix and
-        velocity at the contact point.
-    """
-    scene.place(state)
-    poses = scene.mechanism.poses(state)
-    touch = pair.closest(poses, state.rates)
-    if scene.mechanism.single_link:
-        return touch, _of_single_link(scene, poses[0], touch)
-    point = poses[pair.link].joint + touch.arm
-    partner = None if pair.partner is None else scene.links[pair.partner]
-    connected = scene.connected if scene.mechanism.wires == 1 else None
-    return touch, contact_space(
-        scene.links[pair.link], xy(point), xy(touch.normal), partner, connected=connected
-    )
-
-
-def _of_single_link(scene: Scene, pose: Pose, touch: ClosestApproach) -> ContactSpace:
-    """Return the contact space of a link that turns about its joint.
-
-    A unit impulse changes the angular velocity by l/I, with the lever l of its direction and the
-    moment of inertia I about the joint. It changes the contact velocities by their levers times
-    this amount. A contact point that sticks cannot move, unless it moves along the normal alone.
-    """
-    normal = cross(touch.arm, touch.normal)
-    along = cross(touch.arm, touch.tangent)
-    if abs(along) <= LEVER_ROUNDING * abs(touch.arm):
-        along = 0.0
-    levers = np.array([normal, along])
-    turning = levers / scene.mechanism.links[0].inertia_about_joint
-    response = np.outer((*xy(1j * (pose.centre - pose.joint)), 1.0), turning)
-    return ContactSpace(
-        inverse_mass=np.outer(levers, turning),
-        velocity=touch.velocity,
-        bodies=tuple(scene.links),
-        response=response,
-        in_stick=np.zeros(3) if along else response[:, 0],
-        stick_compliance=0.0 if along else normal * float(turning[0]),
-    )
 
 
 @dataclass(frozen=True)
@@ -146,29 +100,35 @@ class EnergeticLaw(ContactLaw):
         return dataclasses.replace(self, accuracy=error) if error < self.accuracy else self
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Apply the impact to the velocities of all bodies in the scene.
+        """Apply the impact to the rates of all links.
 
         Returns:
             The state after the impact and the contact record, in engine units.
         """
-        _, space = contact_at(scene, state, pair)
-        space = ending_together(space, self.accuracy)
+        point = contact_at(scene.mechanism, state, pair)
+        before = ending_together(point, self.accuracy)
         impact = energetic_impact(
-            space.inverse_mass,
-            space.velocity,
+            np.array(point.inverse_mass),
+            before,
             pair.friction,
             pair.restitution,
             pair.restitution_friction,
-            space.stick_compliance,
+            point.stick_compliance,
             self.tangential_compliance,
         )
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         velocity = (impact.velocity_normal, impact.velocity_tangential)
-        space.apply(impulse, velocity)
+        push, rub = impulse
+        normal, along = point.response
+        coupling, tangential = point.inverse_mass[1]
+        parts = abs(coupling * push) + abs(tangential * rub)
+        if point.stick_compliance and parts > CANCELS * (abs(before[1]) + abs(velocity[1])):
+            normal = point.in_stick
+            rub = (velocity[1] - before[1]) / tangential
         return self._after(
-            scene,
             pair,
             state,
+            [a + push * b + rub * c for a, b, c in zip(state.rates, normal, along, strict=True)],
             outcome=impact.outcome_name,
             impulse=impulse,
             compressive_impulse=(
@@ -177,28 +137,28 @@ class EnergeticLaw(ContactLaw):
             ),
             compressive_work=tuple(map(float, impact.compressive_work)),
             restitutive_work=tuple(map(float, impact.restitutive_work)),
-            velocity_before=space.velocity,
+            velocity_before=before,
             velocity_after=velocity,
             phases=impact.phases,
         )
 
 
-def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
-    """Return the contact space with the slip velocity corrected so that slip and approach end
-    together, if they do so within the accuracy.
+def ending_together(point: ContactPoint, accuracy: float) -> Vector:
+    """Return the velocity of a contact point, with the slip velocity corrected so that slip and
+    approach end together, if they do so within the accuracy.
 
     A contact point that has one degree of freedom moves such that v_t/v_n = K_nt/K_nn, with its
     slip velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K. Its slip
     and its approach end at the same impulse. If an error of v_t let the slip end earlier, the point
     would stick while it still approaches.
     """
-    (normal, coupling), _ = space.inverse_mass.tolist()
-    if space.stick_compliance or not normal:
-        return space
-    approach, slip = space.velocity
+    normal, coupling = point.inverse_mass[0]
+    approach, slip = point.touch.velocity
+    if point.stick_compliance or not normal:
+        return approach, slip
     exact = approach * coupling / normal
     near = abs(slip - exact) <= accuracy * math.hypot(approach, slip)
-    return dataclasses.replace(space, velocity=(approach, exact)) if near else space
+    return approach, exact if near else slip
 
 
 ENERGETIC = EnergeticLaw()  # the law of all contacts except those with the workpart
@@ -233,12 +193,13 @@ class EngineLaw(ContactLaw):
         mechanism = scene.mechanism
         touch = pair.closest(mechanism.poses(state), state.rates)
         impulse = engine_impact(scene, pair, touch)
-        after = state._replace(rates=tuple(scene.rates()))
+        rates = scene.rates()
+        after = state._replace(rates=tuple(rates))
         velocity = pair.closest(mechanism.poses(after), after.rates).velocity
         return self._after(
-            scene,
             pair,
             state,
+            rates,
             outcome="rebound" if velocity[0] > 0.0 else "no rebound",
             impulse=impulse,
             velocity_before=touch.velocity,

@@ -56,7 +56,7 @@ class Link:
     def pose(self, joint: complex, velocity: complex, turn: complex) -> Pose:
         """Return the link's position; ``turn`` is e^{i angle}."""
         corners = tuple([joint + turn * corner for corner in self.corners])
-        return Pose(joint, velocity, joint + turn * self.centre, corners)
+        return Pose(joint, velocity, turn * self.centre, corners)
 
 
 class State(NamedTuple):
@@ -75,13 +75,13 @@ class Pose(NamedTuple):
     Attributes:
         joint: position of the joint.
         velocity: velocity of the joint.
-        centre: position of the centre of mass.
+        to_centre: vector from the joint to the centre of mass.
         corners: positions of the joint, the knees and the tip.
     """
 
     joint: complex
     velocity: complex
-    centre: complex
+    to_centre: complex
     corners: tuple[complex, ...]
 
 
@@ -89,8 +89,6 @@ class ChainConstants(NamedTuple):
     """Constants of identical wires.
 
     Attributes:
-        tips: vector from joint to tip of every link, at the angle 0.
-        centres: vector from joint to centre of mass of every link, at the angle 0.
         inertias: moment of inertia of every link about its centre of mass.
         arms: vectors g_kj of one wire, stored at [j, k]: from the joint of link j to the next joint
             (j < k) or to the link's centre of mass (j = k); 0 for j > k.
@@ -99,8 +97,6 @@ class ChainConstants(NamedTuple):
             P_jk e^{i (angle_k - angle_j)} is its entry (j, k).
     """
 
-    tips: Complexes
-    centres: Complexes
     inertias: Array
     arms: Complexes
     moments: Complexes
@@ -229,17 +225,23 @@ class Mechanism:
         return bound
 
     @cached_property
+    def tips(self) -> Complexes:
+        """Vector from joint to tip of every link, at the angle 0."""
+        return np.array([link.corners[-1] for link in self.links])
+
+    @cached_property
     def constants(self) -> ChainConstants:
         """Vectors, inertias and mass matrix of the links at the angle 0, computed when first
         needed.
         """
         size = self.wire_links
-        tips, centres = np.array([(link.corners[-1], link.centre) for link in self.links]).T
+        wire = self.links[:size]
         inertias = np.array([link.inertia for link in self.links])
-        arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
-        moments = np.conj(arms).T * np.array([link.mass for link in self.links[:size]])
+        tips = np.where(np.tri(size, k=-1, dtype=bool), self.tips[:size], 0.0)
+        arms = tips + np.diag([link.centre for link in wire])
+        moments = np.conj(arms).T * np.array([link.mass for link in wire])
         products = np.kron(np.eye(self.wires), moments @ arms + np.diag(inertias[:size]))
-        return ChainConstants(tips, centres, inertias, arms.T, moments.T, products)
+        return ChainConstants(inertias, arms.T, moments.T, products)
 
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix in the links' absolute angles, shape (links, links).

@@ -104,7 +104,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         """Return the acceleration of a rigid bristle in flight, by its equation of motion."""
         time, angles, rates = at.state
         pose = mechanism.poses(at.state)[link]
-        arm = pose.centre - pose.joint
+        arm = pose.to_centre
         moment = (effects.stiffness or 0.0) * (mechanism.root_angle(link, time) - angles[link])
         moment += effects.damping * (hub_speed - rates[link])
         carried = hub_speed**2 * cross(arm, pose.joint) - effects.gravity * arm.real

@@ -112,12 +112,12 @@ class FixedPair(ABC):
         selects a segment by index instead.
         """
         pose = poses[self.link]
-        rate = rates[self.link]
+        spin = 1j * rates[self.link]
         touches = []
         for index, line in enumerate(self.lines(pose.corners)):
             gap, point, normal = self.touch(line)
             arm = point - pose.joint
-            velocity = components(pose.velocity + 1j * rate * arm, normal)
+            velocity = components(pose.velocity + spin * arm, normal)
             touches.append(ClosestApproach(gap, arm, normal, velocity, index))
         if piece is not None or len(touches) == 1:
             return touches[piece or 0]
@@ -181,7 +181,7 @@ class BarPair(FixedPair):
 
     def lines(self, corners: tuple[complex, ...]) -> list[Line]:
         """Return all straight segments of the link."""
-        return list(itertools.pairwise(corners))
+        return [*itertools.pairwise(corners)]
 
     def touch(self, line: Line) -> tuple[float, complex, complex]:
         """Return the gap of a straight segment with round ends, the contact point on its surface,
@@ -191,8 +191,8 @@ class BarPair(FixedPair):
         away = place - self.centre
         distance = abs(away)
         normal = away / (distance or 1.0)  # at the centre the normal is undefined
-        gap = distance - self.radius - self.wire_radius + self.dent
-        return gap, place - self.wire_radius * normal, normal
+        thickness = self.wire_radius
+        return distance - self.radius - thickness + self.dent, place - thickness * normal, normal
 
     def ends_passed(self, pose: Pose) -> list[float]:
         """Return how far along the link the bar's centre is from both ends of each straight

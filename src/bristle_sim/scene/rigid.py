@@ -10,11 +10,9 @@ import math
 from collections.abc import Sequence
 from operator import mul
 
-import numpy as np
-
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import NUMBERS, sums_of
-from bristle_sim.scene.gaps import contact_rows
+from bristle_sim.scene.gaps import contact_at
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair
 
@@ -125,29 +123,20 @@ class RigidContacts:
         pair = contact.pair
         mechanism = self.scene.mechanism
         poses = mechanism.poses(state)
-        touch = pair.closest(poses, state.rates)
+        point = contact_at(mechanism, state, pair)
+        touch = point.touch
         slip = touch.velocity[1]
         sense = contact.slip
         if sense is None:
             sense = int(math.copysign(abs(slip) > LEAST_SLIP, slip))
-        ratio = -pair.friction * sense
-        if mechanism.single_link:
-            lever = cross(touch.arm, touch.normal)
-            along = cross(touch.arm, touch.tangent)
-            change = lever * (lever + ratio * along) / mechanism.links[0].inertia_about_joint
-        else:
-            turn = np.exp(1j * np.array(state.angles))
-            (normal,), (tangent,) = contact_rows(mechanism, turn, [pair], [touch])
-            mass = mechanism.mass_matrix(turn)
-            change = float(normal @ np.linalg.solve(mass, normal + ratio * tangent))
+        normal, coupling = point.inverse_mass[0]
         free = 0.0
         for number, arm in ((pair.link, touch.arm), (pair.partner, touch.partner_arm)):
             if number is not None and arm is not None:
                 link = mechanism.links[number]
-                pose = poses[number]
-                lever = cross(pose.joint + arm - pose.centre, touch.normal)
+                lever = cross(arm - poses[number].to_centre, touch.normal)
                 free += 1.0 / link.mass + lever**2 / link.inertia
-        return change / free
+        return (normal - pair.friction * sense * coupling) / free
 
     def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
         """Set the sense of slip that friction opposes in a new contact.

@@ -272,9 +272,12 @@ class LinkVelocity:
         links: Sequence[pymunk.Body],
     ) -> None:
         self._mechanism = mechanism
-        (self._link,) = mechanism.links
+        (link,) = mechanism.links
+        self._corners = link.corners
+        self._centre = link.centre
+        self._inertia = link.inertia_about_joint
         self._damping = damping[0]
-        self._inertia = self._link.inertia_about_joint
+        self._speed = mechanism.hub_speed
         self._root = -1j * mechanism.hub_radius
         self._hub = None if hub is None else hub._body
         self._body = links[0]._body
@@ -286,7 +289,7 @@ class LinkVelocity:
         pair = contact.pair
         assert isinstance(pair, FixedPair), "a single link has no neighbour"
         self._pair = pair
-        self._line = pair.lines(self._link.corners)[contact.piece or 0]
+        self._line = pair.lines(self._corners)[contact.piece or 0]
         self._ratio = -pair.friction * (contact.slip or 0)
 
     def set_back(self, state: State) -> State:
@@ -301,7 +304,7 @@ class LinkVelocity:
             if abs(lever) < LEAST_LEVER:
                 return state
             angle -= gap / lever
-            rate = -self._mechanism.hub_speed * cross(joint, normal) / lever
+            rate = -self._speed * cross(joint, normal) / lever
             if abs(gap) < CLOSED_GAP:
                 break
         return State(time, (angle,), (rate,))
@@ -316,7 +319,7 @@ class LinkVelocity:
         impulse p, the contact stays closed if u_n + l_n (rate + (l_n + f l_t) p/I) = 0.
         """
         body = self._body
-        speed = self._mechanism.hub_speed
+        speed = self._speed
         ratio = self._ratio
         joint = self._root
         if self._hub is not None:
@@ -335,7 +338,7 @@ class LinkVelocity:
         yields = lever * turning
         push = -(carried.real + rate * lever) / yields if yields else 0.0
         rate += turning * push
-        velocity = 1j * (speed * joint + rate * turn * self._link.centre)
+        velocity = 1j * (speed * joint + rate * turn * self._centre)
         _set_rate(body, rate)
         _set_velocity(body, (velocity.real, velocity.imag))
         self.impulses.append([(push, ratio * push, -carried.imag - rate * levers.imag)])

@@ -18,7 +18,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.engine import point_calls, pusher
@@ -87,14 +86,13 @@ class SpringContact(ActiveContact):
             during the contact. Otherwise the contact is short enough for the rigid-body limit.
         stepper: integrator of the contact.
         surface: gap at the first touch, from which the penetration is measured.
-        inverse_mass: contact-space inverse mass matrix K, shape (2, 2), at the first touch or at
-            the last update from the bodies.
+        inverse_mass: contact-space inverse mass matrix K, by rows, at the first touch or at the
+            last update from the bodies.
         deepest: penetration at which unloading began; None while the spring is being loaded.
         slip: sense of slip, 1 or -1; 0 in stick.
         at_rest: whether the phase is "slip at rest": the contact point slips while its normal
             velocity stays zero, under a friction force between the friction of compression and the
             friction of restitution.
-        pressed_on: whether the spring is being loaded again, from rest at its deepest point.
         stick_force: tangential force in stick, or in slip at rest, at the last state.
         foot: position along the surface at which the tangential spring is attached.
         phases: the phases so far.
@@ -112,12 +110,11 @@ class SpringContact(ActiveContact):
     finite_duration: bool
     stepper: Extrapolation
     surface: float
-    inverse_mass: Array
+    inverse_mass: tuple[Vector, Vector]
     start: State
     deepest: float | None = None
     slip: int = 0
     at_rest: bool = False
-    pressed_on: bool = False
     stick_force: float = 0.0
     foot: float = 0.0
     phases: list[SpringPhase] = field(default_factory=list)
@@ -212,7 +209,7 @@ class SpringContact(ActiveContact):
     @property
     def compliance_in_stick(self) -> float:
         """Tangential inverse mass K_tt of the contact point; 0 if friction cannot stop the slip."""
-        normal, tangential = float(self.inverse_mass[0, 0]), float(self.inverse_mass[1, 1])
+        (normal, _), (_, tangential) = self.inverse_mass
         least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.duration, MOST_TURN) ** 2)
         return tangential if tangential > least * normal else 0.0
 
@@ -327,7 +324,7 @@ class SpringForce:
         if spring.elastic and not spring.slip:
             rigidity = spring.law.stiffness / spring.law.compliance
         at_rest = spring.at_rest
-        normal_gain, coupling = spring.inverse_mass[0].tolist()
+        normal_gain, coupling = spring.inverse_mass[0]
         if at_rest:
             ratio = -normal_gain / coupling
             stop = 1.0 / (coupling * step)

@@ -119,7 +119,7 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
         spring.deepest = penetration
         spring.stick_force = -spring.slip * spring.law.friction * spring.law.stiffness * penetration
     match kind:
-        case Kind.COMPRESSION_ENDS | Kind.RELOADING_ENDS:
+        case Kind.COMPRESSION_ENDS:
             return _end_compression(system, motion, spring)
         case Kind.UNLOADED:
             return Outcome.REBOUND
@@ -131,7 +131,6 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
             stuck = spring.predicted in (Outcome.JAM, Outcome.STICTION)
             return Outcome(spring.predicted) if stuck else Outcome.NO_REBOUND
         case Kind.PRESSED_ON:
-            spring.pressed_on = spring.at_rest
             spring.at_rest = False
             spring.deepest = None
             if spring.elastic or not spring.slip:
@@ -182,7 +181,7 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
     press it in against friction, the friction of restitution is the smaller one. With a tangential
     spring the force oscillates between the two; the mean of a fast oscillation is the same.
     """
-    coupling = float(spring.inverse_mass[0, 1])
+    coupling = spring.inverse_mass[0][1]
     law = spring.law
     if (law.restitution_friction - law.friction) * spring.slip * coupling <= 0.0:
         return False
@@ -263,7 +262,7 @@ def _probe(system: System, motion: Motion, spring: SpringContact) -> tuple[Inter
     others = [other for other in motion.springs if other is not spring]
     load = ContactLoad(system.scene, motion.rigid, [spring, *others])
     # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
-    normal, coupling = spring.inverse_mass[0].tolist()
+    normal, coupling = spring.inverse_mass[0]
     most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
     length = PROBED_FRACTION * min(spring.duration, math.pi / math.sqrt(most) if most else math.inf)
     probe = spring.stepper.advance(system.scene, system.state, length, load)
