@@ -9,12 +9,25 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from bristle_sim.units import shown
+
 _COUNT = itertools.count()
 
 LONGEST_NAME = 255  # longest name of a file, without its folders, that file systems take, bytes
 
 _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 """Pattern of the names of open streams: standard streams by name, any stream by number."""
+
+
+def named_path(path: object) -> Path:
+    """Return the path of a file after a check that it is a text or a path.
+
+    Raises:
+        ValueError: for any other object.
+    """
+    if not isinstance(path, str | Path):
+        raise ValueError(f"path = {shown(path)}: must be the name of a file")
+    return Path(path)
 
 
 def checked_target(
@@ -32,7 +45,7 @@ def checked_target(
         ValueError: if it cannot be written; the message is one line that begins with the option, if
             given, or with the path.
     """
-    target = Path(path)
+    target = named_path(path)
     named = f"{option} = {str(path)!r}" if option else str(path)
     if len(os.fsencode(target.name)) > LONGEST_NAME:
         raise ValueError(f"{named}: must be a file name of at most {LONGEST_NAME} bytes")

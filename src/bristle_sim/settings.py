@@ -15,7 +15,7 @@ from bristle_sim.units import shown
 MAXIMUM_STEPS = 500_000
 """Default of the largest number of engine steps of a simulation.
 
-It suffices for sixty whole passes of a rigid bristle, or for one pass of a wire of 8 links. So many
+It suffices for sixty whole passes of a rigid bristle, or for one pass of a wire of 8 links. The
 steps take 2 to 6 s of CPU time; for a wire that bends, 12 to 20 s."""
 
 # largest number of samples in a period, more than the memory for a simulation could hold

@@ -14,7 +14,7 @@ from typing import Any
 
 from bristle_sim.conversion import exact_text
 from bristle_sim.declared import Computed
-from bristle_sim.files import complete_or_absent
+from bristle_sim.files import complete_or_absent, named_path
 from bristle_sim.parameters import Tool, tool_keys
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.units import Choice, Range, likely_key, shown
@@ -39,7 +39,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         ValueError: in one line, for a file that is not TOML, an unknown key, or a table.
         OSError: for a file that cannot be read.
     """
-    content = Path(path).read_bytes()
+    content = named_path(path).read_bytes()
     try:
         found = tomllib.loads(
             content.decode("utf-8-sig")
@@ -108,7 +108,7 @@ def write_tool(tool: Tool, path: str | Path) -> None:
             continue
         for key, (name, declared) in keys.items():
             lines += _entry(key, getattr(owner, name), declared)
-    with complete_or_absent(Path(path)) as partial:
+    with complete_or_absent(named_path(path)) as partial:
         partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

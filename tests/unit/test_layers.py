@@ -24,8 +24,8 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 ORDER = (
     "arrays readable",
     "conversion",
-    "version units files",
-    "declared",
+    "version units",
+    "declared files",
     "force_file parameters settings",
     "tool_file trajectory theory",
     "contact_space",

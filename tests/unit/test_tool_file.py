@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from bristle_sim import Settings, Trajectory, simulate
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.tool_file import read_keys, read_tool, write_tool
 
@@ -99,6 +101,21 @@ def test_what_is_no_tool_is_refused_in_one_line(text: str, words: str, tmp_path:
         read(tmp_path, text)
     assert str(refusal.value).startswith(f"{tmp_path / 'tool.toml'}: ")
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("path", [None, 3, b"tool.toml"])
+def test_a_path_that_is_no_text_is_refused_in_one_line(path: Any):
+    """Of a tool's file and of a run's."""
+    run = simulate(Tool(bar=None, workpart=None), Settings(maximum_steps=100))
+    for call in (
+        lambda: read_tool(path),
+        lambda: write_tool(Tool(), path),
+        lambda: run.save(path),
+        lambda: Trajectory.load(path),
+        lambda: run.animate(path),
+    ):
+        with pytest.raises(ValueError, match=r"^path = [^\n]+: must be the name of a file$"):
+            call()
 
 
 def test_further_keys_stand_beside_those_of_the_tool(tmp_path: Path):

@@ -111,12 +111,9 @@ class Results:
         """
         numbers = np.array([number for (number, _), _ in outcomes])
         reasons = np.array([reason for _, (_, reason) in outcomes], dtype=object)
-        new = dict[str, tuple[int, ...]]()
         for _, (values, _) in outcomes:
-            for name in values.keys() - self.shapes.keys():
-                new.setdefault(name, values[name].shape)
-        if new:
-            self._add(new)
+            if new := {name: values[name].shape for name in values.keys() - self.shapes.keys()}:
+                self._add(new)
         for name, inner in self.shapes.items():
             column = np.full((len(outcomes), *inner), math.nan)
             for i, (_, (values, _)) in enumerate(outcomes):
@@ -142,16 +139,16 @@ class Results:
         found.attrs = self.grid.attrs
         return found
 
-    def _add(self, shapes: Shapes) -> None:
+    def _add(self, new: Shapes) -> None:
         """Add arrays of NaN for results that the earlier points did not have."""
-        for name in shapes:
+        for name in new:
             if name in {*self.grid.coords, *self.grid.sizes}:
                 raise ValueError(
                     f"function: its result {name} must not have the name of a parameter or dimension"
                 )
             check_name("function: its result", name)
-        self._create(shapes)
-        for name in shapes:
+        self._create(new)
+        for name in new:
             self.arrays[name][...] = math.nan
 
     def _create(self, new: Shapes) -> None:
@@ -253,8 +250,8 @@ def _described(folder: Path) -> Shapes:
     return max(found, key=len)
 
 
-def check_name(what: str, name: str) -> None:
-    """Check that an array in a folder may have a name; ``what`` describes it in the message.
+def check_name(role: str, name: str) -> None:
+    """Check that an array in a folder may have a name; ``role`` describes it in the message.
 
     Raises:
         ValueError: for a name that is empty, unprintable or reserved.
@@ -264,4 +261,4 @@ def check_name(what: str, name: str) -> None:
         rule = (
             "must have a name without / and unprintable letters, that begins with neither . nor __"
         )
-        raise ValueError(f"{what} {name!r} {rule}")
+        raise ValueError(f"{role} {name!r} {rule}")

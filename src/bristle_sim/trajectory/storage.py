@@ -17,7 +17,7 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.files import complete_or_absent
+from bristle_sim.files import complete_or_absent, named_path
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import (
@@ -69,7 +69,7 @@ def write(run: RecordedRun, path: str | Path) -> None:
         "cost": dataclasses.asdict(run.cost),
     }
     arrays["metadata"] = np.array(json.dumps(meta))
-    with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
+    with complete_or_absent(named_path(path)) as partial, partial.open("wb") as stream:
         np.savez_compressed(stream, digest=np.array(digest(arrays)), **arrays)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from bristle_sim.files import named_path
 from bristle_sim.trajectory.interpolation import Interpolation
 from bristle_sim.trajectory.pictures import Html, drawn_by
 from bristle_sim.trajectory.recorded_run import RecordedRun
@@ -128,4 +129,4 @@ class Trajectory(RecordedRun):
             OSError: if the file cannot be read.
             ValueError: for a file of any other kind.
         """
-        return cls(**read(Path(path)))
+        return cls(**read(named_path(path)))
