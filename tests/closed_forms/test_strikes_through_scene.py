@@ -119,9 +119,8 @@ def test_a_hinged_rod_met_on_its_axis_cannot_slip_by_an_impulse(slip: float) -> 
         rod.velocity = (0.5 * y, -0.5 * x)
         rod.angular_velocity = -1.0
         space.add(rod, pymunk.PivotJoint(space.static_body, rod, (0.0, 0.0), (-0.5, 0.0)))
-        found = contact_space(
-            rod, (0.9 * x, 0.9 * y), (-y, x), surface_velocity=(-slip * x, -slip * y)
-        )
+        along = complex(x, y)
+        found = contact_space(rod, 0.9 * along, 1j * along, surface_velocity=-slip * along)
         assert found.velocity == pytest.approx((-0.9, slip), abs=1e-15)
         impact = energetic_impact(
             found.inverse_mass, found.velocity, 0.3, 0.5, stick_compliance=found.stick_compliance

@@ -10,7 +10,7 @@ from bristle_sim.parameters import Bristle, Surface, Tool
 from bristle_sim.scene import impacts
 from bristle_sim.scene.gaps import contact_at
 from bristle_sim.scene.impacts import EngineLaw
-from bristle_sim.scene.mechanism import State, xy
+from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.strike import Chain, build_strike
 from bristle_sim.scene.tool import build_tool
@@ -104,7 +104,7 @@ def test_a_contact_point_is_that_of_bodies_and_joints(angle: float, links: int) 
     found = contact_at(scene.mechanism, state, pair)
     scene.place(state)
     tip = scene.mechanism.poses(state)[-1].corners[-1]
-    exact = contact_space(scene.links[-1], xy(tip), xy(found.touch.normal))
+    exact = contact_space(scene.links[-1], tip, found.touch.normal)
     turned = [exact.bodies.index(body) for body in scene.links]
     assert found.touch.velocity == pytest.approx(exact.velocity, rel=1e-12, abs=1e-12)
     assert np.array(found.inverse_mass) == pytest.approx(exact.inverse_mass, rel=1e-11, abs=1e-12)

@@ -133,11 +133,11 @@ class ContactSpace:
 
 def contact_space(
     body: pymunk.Body,
-    point: Vector,
-    normal: Vector,
+    point: complex,
+    normal: complex,
     other: pymunk.Body | None = None,
     *,
-    surface_velocity: Vector = (0.0, 0.0),
+    surface_velocity: complex = 0j,
     released: Collection[pymunk.Constraint] = (),
     connected: Connected | None = None,
 ) -> ContactSpace:
@@ -145,7 +145,7 @@ def contact_space(
 
     Args:
         body: the body that the impulse acts on; it may be joined to others by any joints.
-        point: world coordinates of the contact.
+        point: world coordinates of the contact, x + iy, as all vectors.
         normal: unit vector from the other body towards ``body``; the tangent is the normal turned
             clockwise.
         other: the touched body, on which the opposite impulse acts; None for a fixed obstacle.
@@ -184,7 +184,7 @@ def contact_space(
 
 
 def relative_motion(
-    ends: Sequence[pymunk.Body], point: Vector, normal: Vector, surface_velocity: Vector
+    ends: Sequence[pymunk.Body], point: complex, normal: complex, surface_velocity: complex
 ) -> tuple[list[tuple[Entry, ...]], Vector]:
     """Return the Jacobian rows of a contact and the relative velocity of its points.
 
@@ -192,19 +192,14 @@ def relative_motion(
         The rows for the velocity of the first body's point relative to the other body's point, in
         the order (tangential, normal); and this velocity, in the order (normal, tangential).
     """
-    x, y = normal
-    relative_x = -surface_velocity[0]
-    relative_y = -surface_velocity[1]
+    relative = -surface_velocity
     entries = []
     for body, sign in zip(ends, (1.0, -1.0), strict=False):
-        moving = lib.cpBodyGetVelocityAtWorldPoint(body._body, point)
-        relative_x += sign * moving.x
-        relative_y += sign * moving.y
-        entries.append(point_entries(body, point, ((y, -x), (x, y)), sign))
-    return list(zip(*entries, strict=True)), (
-        relative_x * x + relative_y * y,
-        relative_x * y - relative_y * x,
-    )
+        moving = lib.cpBodyGetVelocityAtWorldPoint(body._body, (point.real, point.imag))
+        relative += sign * complex(moving.x, moving.y)
+        entries.append(point_entries(body, point, (-1j * normal, normal), sign))
+    relative *= normal.conjugate()
+    return list(zip(*entries, strict=True)), (relative.real, -relative.imag)
 
 
 def _free_part(columns: Array, joints: int) -> tuple[Array, Array]:

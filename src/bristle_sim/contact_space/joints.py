@@ -36,6 +36,9 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
+"""A pair (normal, tangential) of a contact, or (x, y) in a report. All other places, directions and
+velocities are complex numbers x + iy."""
+
 Entry = tuple[pymunk.Body, float, float, float]
 """A body, and the factors of its v_x, v_y and angular velocity in one row of the Jacobian J."""
 
@@ -78,15 +81,23 @@ class JointRow(NamedTuple):
 
 
 def point_entries(
-    body: pymunk.Body, point: Vector, directions: Iterable[Vector], sign: float
+    body: pymunk.Body, point: complex, directions: Iterable[complex], sign: float
 ) -> list[Entry]:
     """Return the entries of one body in the Jacobian rows for the velocity of a contact or joint.
 
     There is one row for the velocity of the world point along each direction. ``sign`` is 1 for the
     first body and -1 for the other one.
     """
-    arm_x, arm_y = point - body.local_to_world(body.center_of_gravity)
-    return [(body, sign * x, sign * y, sign * (arm_x * y - arm_y * x)) for x, y in directions]
+    arm = point - world(body, body.center_of_gravity)
+    return [
+        (body, sign * each.real, sign * each.imag, sign * (arm.conjugate() * each).imag)
+        for each in directions
+    ]
+
+
+def world(body: pymunk.Body, place: tuple[float, float]) -> complex:
+    """Return the world coordinates of a place on a body."""
+    return complex(*body.local_to_world(place))
 
 
 def joined(ends: Iterable[pymunk.Body]) -> Connected:
@@ -153,60 +164,59 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
     """
-    if isinstance(joint, pymunk.PivotJoint):
-        ends = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
-        return _across(joint, ends, (1.0, 0.0), (0.0, 1.0))
-    if isinstance(joint, pymunk.PinJoint | pymunk.SlideJoint):
-        return _at_distance(joint)
-    return _groove(joint) if isinstance(joint, pymunk.GrooveJoint) else _turning(joint)
-
-
-def _across(
-    joint: pymunk.Constraint, ends: tuple[Vector, Vector], *directions: Vector, limit: bool = False
-) -> list[JointRow]:
-    """Return a joint's rows for the velocity of its end on body a relative to its end on body b.
-
-    ``ends`` are the world coordinates of the two ends. There is one row for each direction.
-    """
+    if isinstance(joint, pymunk.GrooveJoint):
+        ends, guided = _groove(joint)
+    elif isinstance(joint, pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint):
+        ends, guided = _anchored(joint)
+    else:
+        return _turning(joint)
+    directions = [each for each, _ in guided]
     a = point_entries(joint.a, ends[0], directions, 1.0)
     b = point_entries(joint.b, ends[1], directions, -1.0)
-    return [JointRow(joint, pair, 0.0, limit) for pair in zip(a, b, strict=True)]
+    pairs = zip(a, b, guided, strict=True)
+    return [JointRow(joint, (one, other), 0.0, limit) for one, other, (_, limit) in pairs]
 
 
-def _at_distance(joint: pymunk.PinJoint | pymunk.SlideJoint) -> list[JointRow]:
-    """Return the rows of a pin or slide joint, whose anchors keep their distance, or keep it within
-    limits.
+Guided = tuple[tuple[complex, complex], list[tuple[complex, bool]]]
+"""World coordinates of a joint's ends on its bodies, and the directions in which the end on body a
+does not move relative to the end on body b, each with True if it is a limit."""
+
+
+def _anchored(joint: Any) -> Guided:
+    """Return the ends and directions of a pivot, pin or slide joint, which keeps two anchors
+    together, at a distance, or at a distance within limits.
     """
-    ends = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
-    apart = ends[1] - ends[0]
-    distance = apart.length
+    ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
+    if isinstance(joint, pymunk.PivotJoint):
+        return ends, [(1.0, False), (1j, False)]
+    distance = abs(ends[1] - ends[0])
     if distance == 0.0:
-        return []
-    along = apart / distance
+        return ends, []
+    along = (ends[1] - ends[0]) / distance
     if isinstance(joint, pymunk.PinJoint) or joint.min >= joint.max:
-        return _across(joint, ends, along)
+        return ends, [(along, False)]
     margin = REACHED * max(distance, joint.max)
-    if joint.min + margin < distance < joint.max - margin:
-        return []
-    sense = 1.0 if distance >= joint.max - margin else -1.0
-    return _across(joint, ends, along * sense, limit=True)
+    if distance >= joint.max - margin:
+        return ends, [(along, True)]
+    return ends, [(-along, True)] if distance <= joint.min + margin else []
 
 
-def _groove(joint: pymunk.GrooveJoint) -> list[JointRow]:
-    """Return the rows of a groove joint, which keeps an anchor of body b on a segment of body a."""
-    start = joint.a.local_to_world(joint.groove_a)
-    anchor = joint.b.local_to_world(joint.anchor_b)
-    groove = joint.a.local_to_world(joint.groove_b) - start
-    length = groove.length
-    along = groove.normalized()
-    reached = (anchor - start).dot(along)
-    ends = start + along * min(max(reached, 0.0), length), anchor
-    rows = _across(joint, ends, along.perpendicular())
+def _groove(joint: pymunk.GrooveJoint) -> Guided:
+    """Return the ends and directions of a groove joint, which keeps an anchor of body b on a
+    segment of body a.
+    """
+    start = world(joint.a, joint.groove_a)
+    anchor = world(joint.b, joint.anchor_b)
+    groove = world(joint.a, joint.groove_b) - start
+    length = abs(groove)
+    along = groove / length
+    reached = (along.conjugate() * (anchor - start)).real
+    guided = [(1j * along, False)]
     if reached <= REACHED * length:
-        rows += _across(joint, ends, -along, limit=True)
+        guided.append((-along, True))
     elif reached >= length * (1.0 - REACHED):
-        rows += _across(joint, ends, along, limit=True)
-    return rows
+        guided.append((along, True))
+    return (start + along * min(max(reached, 0.0), length), anchor), guided
 
 
 def _turning(joint: Any) -> list[JointRow]:
@@ -218,28 +228,27 @@ def _turning(joint: Any) -> list[JointRow]:
     b = joint.b
     angle = b.angle - a.angle
     margin = REACHED * max(1.0, abs(a.angle), abs(b.angle))
-    way = 1.0
-    ratio = 1.0
-    rate = 0.0
-    limit = False
-    if isinstance(joint, pymunk.RotaryLimitJoint):
-        limit = joint.min < joint.max
-        if limit and angle >= joint.max - margin:
-            way = -1.0
-        elif limit and angle > joint.min + margin:
-            return []
-    elif isinstance(joint, pymunk.RatchetJoint):
-        limit = True
+
+    def row(
+        way: float = 1.0, ratio: float = 1.0, rate: float = 0.0, *, limit: bool = False
+    ) -> list[JointRow]:
+        entries = (a, 0.0, 0.0, -way), (b, 0.0, 0.0, way * ratio)
+        return [JointRow(joint, entries, rate, limit)]
+
+    if isinstance(joint, pymunk.GearJoint):
+        return row(ratio=joint.ratio)
+    if isinstance(joint, pymunk.SimpleMotor):
+        return row(rate=-joint.rate)
+    if isinstance(joint, pymunk.RatchetJoint):
         way = math.copysign(1.0, joint.ratchet)
-        if (angle - joint.angle) * way > margin:
-            return []
-    elif isinstance(joint, pymunk.GearJoint):
-        ratio = joint.ratio
-    elif isinstance(joint, pymunk.SimpleMotor):
-        rate = -joint.rate
-    else:
+        return row(way, limit=True) if (angle - joint.angle) * way <= margin else []
+    if not isinstance(joint, pymunk.RotaryLimitJoint):
         raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
-    return [JointRow(joint, ((a, 0.0, 0.0, -way), (b, 0.0, 0.0, way * ratio)), rate, limit)]
+    if joint.min >= joint.max:
+        return row()
+    if angle >= joint.max - margin:
+        return row(-1.0, limit=True)
+    return row(limit=True) if angle <= joint.min + margin else []
 
 
 def of_length_one(columns: Array) -> tuple[Array, Array]:
@@ -259,7 +268,7 @@ def span(columns: Array) -> Array:
     The columns may be linearly dependent.
     """
     directions, sizes, _ = np.linalg.svd(of_length_one(columns)[0], full_matrices=False)
-    return np.asarray(directions[:, sizes > DEPENDENT * sizes[0]])
+    return np.asarray(directions[:, sizes > DEPENDENT * sizes.max(initial=0.0)])
 
 
 def joint_basis(
@@ -275,7 +284,7 @@ def joint_basis(
     """
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)
-    return span(columns) if rows else columns, scale
+    return span(columns), scale
 
 
 def allowed_part(

@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.impulse import relative_motion
@@ -54,8 +55,6 @@ def resolve_at_once(
         The impact of each point. The work done at all points adds up to the change of the kinetic
         energy.
     """
-    from scipy.sparse import csr_array  # imported only where many contacts meet
-
     bodies, joints = connected
     motion.kick(bodies, -0.5)
     close_joints(bodies, joints)

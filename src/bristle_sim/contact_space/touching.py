@@ -24,13 +24,9 @@ import numpy as np
 import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
+from bristle_sim.arrays import Array
 from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpact
-from bristle_sim.contact_space.joints import (
-    Connected,
-    Vector,
-    allowed_part,
-    set_in_motion,
-)
+from bristle_sim.contact_space.joints import Connected, allowed_part, set_in_motion, world
 from bristle_sim.theory.impact import Impact
 
 # Approach speed, as a fraction of the bodies' speed at a point, below which it is rounding error.
@@ -56,17 +52,17 @@ def room_for_bodies() -> tuple[Any, Any]:
     return ffi.new(_BODY), ffi.new(_BODY)
 
 
-Motion = tuple[float, float, float]
-"""Velocity components v_x and v_y and angular velocity of a body, or the changes of these in a step
-by forces, joints and contacts at rest."""
+Motion = tuple[complex, float]
+"""Velocity and angular velocity of a body, or the changes of these in a step by forces, joints and
+contacts at rest."""
 
-NONE = (0.0, 0.0, 0.0)
+NONE = (0j, 0.0)
 
 
 def velocity_of(body: pymunk.Body) -> Motion:
-    """Return a body's velocities v_x and v_y and its angular velocity."""
+    """Return the velocity and the angular velocity of a body."""
     velocity = lib.cpBodyGetVelocity(body._body)
-    return velocity.x, velocity.y, lib.cpBodyGetAngularVelocity(body._body)
+    return complex(velocity.x, velocity.y), lib.cpBodyGetAngularVelocity(body._body)
 
 
 class StepMotion:
@@ -97,15 +93,20 @@ class StepMotion:
         self.duration = duration
         for bodies, joints in self._groups:
             for body in bodies:
-                u, v, turn = self.gains[body]
-                x, y, w = velocity_of(body)
-                self.gains[body] = (x - u, y - v, w - turn)
+                before, turn = self.gains[body]
+                after, turning = velocity_of(body)
+                self.gains[body] = (after - before, turning - turn)
             if joints:
-                gains = np.array([self.gains[body] for body in bodies]).ravel()
-                allowed = allowed_part(bodies, joints, gains).reshape(-1, 3).tolist()
-                self.gains.update(
-                    {body: (u, v, turn) for body, (u, v, turn) in zip(bodies, allowed, strict=True)}
-                )
+                allowed = allowed_part(bodies, joints, self.changes(bodies)).reshape(-1, 3)
+                for body, (x, y, turn) in zip(bodies, allowed.tolist(), strict=True):
+                    self.gains[body] = (complex(x, y), turn)
+
+    def changes(self, bodies: Sequence[pymunk.Body]) -> Array:
+        """Return the changes of v_x, v_y and the angular velocity of bodies in the step, shape
+        (3 * len(bodies),).
+        """
+        gains = [self.gains.get(each, NONE) for each in bodies]
+        return np.array([[gain.real, gain.imag, turn] for gain, turn in gains]).ravel()
 
     def clear(self) -> None:
         """Discard the data of the step."""
@@ -127,17 +128,17 @@ class StepMotion:
         """
         for body in bodies if time else ():
             raw = body._body
-            x, y, w = velocity_of(body)
-            u, v, turn = self.gains.get(body, NONE)
-            lib.cpBodySetAngle(
-                raw, lib.cpBodyGetAngle(raw) + time * (w - turn)
-            )  # about the mass centre
+            velocity, turn = velocity_of(body)
+            gain, turning = self.gains.get(body, NONE)
+            moved = time * (velocity - gain)
+            # about the mass centre
+            lib.cpBodySetAngle(raw, lib.cpBodyGetAngle(raw) + time * (turn - turning))
             place = lib.cpBodyGetPosition(raw)
-            lib.cpBodySetPosition(raw, (place.x + time * (x - u), place.y + time * (y - v)))
+            lib.cpBodySetPosition(raw, (place.x + moved.real, place.y + moved.imag))
 
     def kick(self, bodies: Sequence[pymunk.Body], steps: float) -> None:
         """Add to the velocities of bodies their changes in the step, multiplied by ``steps``."""
-        set_in_motion(bodies, steps * np.array([self.gains.get(each, NONE) for each in bodies]))
+        set_in_motion(bodies, steps * self.changes(bodies))
 
 
 class Overlap(NamedTuple):
@@ -147,8 +148,8 @@ class Overlap(NamedTuple):
     first body, and ``depth`` the depth of the overlap.
     """
 
-    point: Vector
-    normal: Vector
+    point: complex
+    normal: complex
     depth: float
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
@@ -156,32 +157,26 @@ class Overlap(NamedTuple):
 
         ``factor`` is 0 at this overlap and 1 at the other one.
         """
-        x, y = self.point
-        u, v = later.point
-        n_x, n_y = self.normal
-        m_x, m_y = later.normal
-        n_x += factor * (m_x - n_x)
-        n_y += factor * (m_y - n_y)
-        length = math.hypot(n_x, n_y)
-        return Overlap(
-            (x + factor * (u - x), y + factor * (v - y)), (n_x / length, n_y / length), self.depth
-        )
+        normal = self.normal + factor * (later.normal - self.normal)
+        point = self.point + factor * (later.point - self.point)
+        return Overlap(point, normal / abs(normal), self.depth)
 
 
 def overlaps(contact: Any) -> list[Overlap]:
     """Return the geometry of the engine's contact points, with normals towards the first shape."""
-    x, y = contact.normal.x, contact.normal.y
+    normal = -complex(contact.normal.x, contact.normal.y)
     found = []
     for index in range(contact.count):
-        a = contact.points[index].pointA
-        b = contact.points[index].pointB
+        each = contact.points[index]
+        a = complex(each.pointA.x, each.pointA.y)
+        b = complex(each.pointB.x, each.pointB.y)
         # The sign of the engine's own distance is right for one order of the shapes only.
-        depth = (a.x - b.x) * x + (a.y - b.y) * y
-        found.append(Overlap((0.5 * (a.x + b.x), 0.5 * (a.y + b.y)), (-x, -y), depth))
+        depth = (normal.conjugate() * (b - a)).real
+        found.append(Overlap(0.5 * (a + b), normal, depth))
     return found
 
 
-Seen = tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], Vector]
+Seen = tuple[tuple[pymunk.Shape, pymunk.Shape], list[Overlap], complex]
 """The two shapes of a contact, the geometry of its points, and the surface velocity of the second
 shape relative to the first shape."""
 
@@ -189,7 +184,7 @@ shape relative to the first shape."""
 def seen(arbiter: pymunk.Arbiter) -> Seen:
     """Return the geometry of a contact that the engine has found."""
     points = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
-    return arbiter.shapes, overlaps(points), arbiter.surface_velocity
+    return arbiter.shapes, overlaps(points), complex(*arbiter.surface_velocity)
 
 
 @dataclass(slots=True, eq=False)
@@ -218,19 +213,16 @@ class Collision:
 
         The list is empty for a sensor and for a contact that the user's callback ignores.
         """
-        shapes, found, (x, y) = self.before or seen(self.arbiter)
+        shapes, found, sliding = self.before or seen(self.arbiter)
         if not self.arbiter.process_collision or shapes[0].sensor or shapes[1].sensor:
             return []
         bodies: Any = [each.body for each in shapes]
         if bodies[0].body_type != pymunk.Body.DYNAMIC:
             shapes = shapes[::-1]
             bodies = bodies[::-1]
-            x = -x
-            y = -y
-            found = [each._replace(normal=(-each.normal[0], -each.normal[1])) for each in found]
-        return [
-            TouchingPoint(self.pair, shapes, (bodies[0], bodies[1]), (x, y), each) for each in found
-        ]
+            sliding = -sliding
+            found = [each._replace(normal=-each.normal) for each in found]
+        return [TouchingPoint(self.pair, shapes, tuple(bodies), sliding, each) for each in found]
 
 
 @dataclass(slots=True, eq=False)
@@ -256,7 +248,7 @@ class TouchingPoint:
     pair: CollisionRule
     shapes: tuple[pymunk.Shape, pymunk.Shape]
     bodies: tuple[pymunk.Body, pymunk.Body]
-    surface_velocity: Vector
+    surface_velocity: complex
     overlap: Overlap
     drift: float = 0.0
     time: float = 0.0
@@ -275,17 +267,19 @@ class TouchingPoint:
         ``since`` is the time from the last change of the velocities to the end of the step. The
         touch is at most the time ``latest`` before the end of the step.
         """
-        _, (x, y), depth = self.overlap
-        growth = self.surface_velocity[0] * x + self.surface_velocity[1] * y
-        gain = 0.0
+        point, normal, depth = self.overlap
+        relative = self.surface_velocity
+        gained = 0j
         for body, sign in zip(self.bodies, (-1.0, 1.0), strict=True):
-            u, v, turn = velocity_of(body)
-            gain_u, gain_v, turning = motion.gains.get(body, NONE)
-            arm_x, arm_y = self.overlap.point - body.local_to_world(body.center_of_gravity)
-            u, v = u - turn * arm_y, v + turn * arm_x
-            growth += sign * (u * x + v * y)
-            gain += sign * ((gain_u - turning * arm_y) * x + (gain_v + turning * arm_x) * y)
-            self.speed = max(self.speed, abs(u) + abs(v))
+            velocity, turn = velocity_of(body)
+            change, turning = motion.gains.get(body, NONE)
+            arm = 1j * (point - world(body, body.center_of_gravity))
+            velocity += turn * arm
+            relative += sign * velocity
+            gained += sign * (change + turning * arm)
+            self.speed = max(self.speed, abs(velocity.real) + abs(velocity.imag))
+        growth = (normal.conjugate() * relative).real
+        gain = (normal.conjugate() * gained).real
         drift = growth - gain
         if since:
             depth += since * (drift - self.drift)
@@ -327,13 +321,19 @@ class TouchingPoint:
         first.cache_bb()
         second.cache_bb()
         found = overlaps(lib.cpShapesCollide(first._shape, second._shape))
-        return min(found, key=lambda each: math.dist(each.point, self.overlap.point), default=None)
+        return min(found, key=lambda each: abs(each.point - self.overlap.point), default=None)
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
         """Return an impact at the point together with its time, location and bodies.
 
         ``end`` is the time of the end of the step.
         """
-        place = end - self.time, self.overlap.point, self.overlap.normal, self.bodies
-        entries = *[getattr(impact, each.name) for each in fields(Impact)], *place
-        return LocatedImpact(*entries)
+        point, normal, _ = self.overlap
+        entries: dict[str, Any] = {each.name: getattr(impact, each.name) for each in fields(Impact)}
+        return LocatedImpact(
+            **entries,
+            time=end - self.time,
+            point=(point.real, point.imag),
+            normal=(normal.real, normal.imag),
+            bodies=self.bodies,
+        )
