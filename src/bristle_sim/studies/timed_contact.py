@@ -228,7 +228,7 @@ def timed_contact(
             )
         return found, values
 
-    given = [1.5 * compression_time]  # restitution takes some more time
+    given = [1.05 * compression_time]  # restitution takes more time
     wanted = [compression_time]
     if impulse is not None:
         # A first guess by the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8).
