@@ -8,16 +8,15 @@ are therefore adjusted until the simulated contact has the requested values.
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
-from scipy.optimize import root
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
@@ -35,6 +34,7 @@ Result = TypeVar("Result")
 # accuracy is coarser
 REQUEST_TOLERANCE = 1e-6
 MOST_ROUNDS = 30  # largest number of iterations of the adjustment; five to ten are usual
+LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in an iteration
 PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
 
 
@@ -199,9 +199,15 @@ def timed_contact(
     Raises:
         ValueError: if no contact has the requested values.
     """
-    known_speed = bristle.length * (rate or 0.0) + hub.radius * hub.speed
+    requested = [compression_time]
+    speed = bristle.length * (rate or 0.0) + hub.radius * hub.speed
+    if impulse is not None:
+        requested = [compression_time, impulse]
+        # A first guess by the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8).
+        own = normal_compressive_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
+        speed = impulse / (math.hypot(1.0, surface.friction) * float(own))
 
-    def struck(duration: float, speed: float = known_speed) -> tuple[TimedContact, Array]:
+    def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
         """Simulate a contact of given duration and tip speed; return it with its compression time
         and impulse.
         """
@@ -213,29 +219,30 @@ def timed_contact(
                 f"compression_time: must be shorter; in {duration:g} s of contact tip or hub move by more than"
                 " the bristle's length"
             )
-        turning = (speed - hub.radius * hub.speed) / bristle.length
-        chain = radial_chain(hub, bristle, impact_angle, turning)
-        found = TimedContact(
-            chain, strike(chain, surface, Contact("compliant", duration), settings)
+        chain = radial_chain(
+            hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length
         )
-        history = found.strike.contact.history
-        values = np.zeros(2)
+        found = strike(chain, surface, Contact("compliant", duration), settings)
+        contact = TimedContact(chain, found)
+        history = found.contact.history
+        values = (0.0, 0.0)
         if history is not None and history.normal_force.max() > 0.0:
-            values = np.array([found.compression_time, found.compressive_impulse])
-        if not values.min() > 0.0:
+            values = contact.compression_time, contact.compressive_impulse
+        if not min(values) > 0.0:
             raise ValueError(
                 f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s"
             )
-        return found, values
+        return contact, values
 
-    given = [1.05 * compression_time]  # restitution takes more time
-    wanted = [compression_time]
-    if impulse is not None:
-        # A first guess by the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8).
-        own = normal_compressive_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
-        given.append(impulse / (math.hypot(1.0, surface.friction) * float(own)))
-        wanted.append(impulse)
-    return _adjusted(struck, given, wanted, max(REQUEST_TOLERANCE, settings.accuracy))
+    # In restitution the spring is stiffer by 1/e*^2, and the tip's response to it is proportional
+    # to s_2 instead of s_1.
+    cosine, sine = math.cos(impact_angle), math.sin(impact_angle)
+    leaving = sine - surface.friction_in_restitution * cosine
+    whole = 1.0
+    if leaving > 0.0:
+        whole += surface.restitution * math.sqrt((sine + surface.friction * cosine) / leaving)
+    given = np.array([compression_time * whole, speed])
+    return _adjusted(struck, given, np.array(requested), max(REQUEST_TOLERANCE, settings.accuracy))
 
 
 def contact_fields(contact: TimedContact, **later: float) -> dict[str, Any]:
@@ -265,14 +272,16 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
     ):
         return limit
 
-    def struck(duration: float) -> tuple[ChainStrike, Array]:
+    def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
         law = Contact("compliant", duration)
         found = strike(impacts.chain, impacts.surface, law, Settings())
         assert found.contact.history is not None  # it is resolved in time
-        return found, np.array([compression_end(found.contact.history)])
+        return found, (compression_end(found.contact.history),)
 
     try:
-        visible = _adjusted(struck, [duration], [PRINTED_COMPRESSION], REQUEST_TOLERANCE)
+        visible = _adjusted(
+            struck, np.array([duration]), np.array([PRINTED_COMPRESSION]), REQUEST_TOLERANCE
+        )
     except ValueError:
         return limit
     strikes = {**impacts.strikes, "compliant": visible}
@@ -280,37 +289,32 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
 
 
 def _adjusted(
-    struck: Callable[..., tuple[Result, Array]],
-    given: Sequence[float],
-    wanted: Sequence[float],
+    struck: Callable[..., tuple[Result, tuple[float, ...]]],
+    given: Array,
+    wanted: Array,
     tolerance: float,
 ) -> Result:
     """Adjust the arguments of a simulation until its result has the wanted values.
 
-    Broyden's method solves for the logarithms of the arguments. ``struck`` simulates with the
-    arguments, first ``given``, and returns a result and its values.
+    The method is Broyden's, in the logarithms of arguments and values. ``struck`` simulates with
+    the arguments, first ``given``, and returns a result and its values.
 
     Raises:
-        ValueError: if the values are not reached to the tolerance.
+        ValueError: if the values are not reached in MOST_ROUNDS iterations.
     """
-
-    simulated = cache(struck)
-
-    def missing(logarithms: Array) -> Array:
-        values = simulated(*np.exp(logarithms).tolist())[1]
-        return np.asarray(np.log(values[: len(wanted)] / np.array(wanted)))
-
-    # The values are nearly proportional to the arguments, a slope of 1 in logarithms: alpha = -1.
-    options: dict[str, Any] = {
-        "fatol": tolerance,
-        "xatol": 1.0,
-        "maxiter": MOST_ROUNDS,
-        "line_search": None,
-    }
-    options["jac_options"] = {"alpha": -1.0}
-    solved = root(missing, np.log(given), method="broyden1", options=options)
-    if not solved.success:
-        raise ValueError(
-            f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)"
-        )
-    return simulated(*np.exp(solved.x).tolist())[0]
+    free = len(wanted)
+    slopes = np.eye(len(wanted))
+    step = before = np.zeros(free)
+    for _ in range(MOST_ROUNDS):
+        found, values = struck(*given.tolist())
+        missing = np.log(wanted / np.array(values[:free]))
+        if np.all(np.abs(missing) <= tolerance):
+            return found
+        if step.any():
+            slopes += np.outer(before - missing - slopes @ step, step) / float(step @ step)
+        step = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP)
+        before = missing
+        given[:free] *= np.exp(step)
+    raise ValueError(
+        f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)"
+    )
