@@ -53,15 +53,19 @@ def bent_figure(bent: BentBristles) -> Figure:
     """
     figure = style.blank_figure(16.0, 17.2)
     words = "to scale, from the point of strike"
-    labels = {"xlabel": "along the workpart (mm)", "ylabel": "above the workpart (mm)"}
-    place = (1.4, 9.2, 4.6, 5.6)
-    wires = style.add_panel(figure, place, "the wires as they strike", words, **labels)
+    along = "along the workpart (mm)"
+    title = "the wires as they strike"
+    wires = style.add_panel(figure, (1.4, 9.2, 4.6, 5.6), title, words, xlabel=along)
+    wires.set_ylabel("above the workpart (mm)")
     title = "the tips' paths before, in and after touch"
-    del labels["ylabel"]
-    paths = style.add_panel(figure, (7.6, 9.2, 8.0, 5.6), title, words, **labels)
-    labels = {"xlabel": "time since the first touch (µs)", "ylabel": "displacement (mm)"}
-    title = "displacement of the tips along the workpart while in touch"
-    slides = style.add_panel(figure, (1.4, 2.4, 14.2, 4.7), title, **labels)
+    paths = style.add_panel(figure, (7.6, 9.2, 8.0, 5.6), title, words, xlabel=along)
+    slides = style.add_panel(
+        figure,
+        (1.4, 2.4, 14.2, 4.7),
+        "displacement of the tips along the workpart while in touch",
+        xlabel="time since the first touch (µs)",
+        ylabel="displacement (mm)",
+    )
     shapes: dict[str, style.Look] = {}
     drawn = []
     for shape, run in bent.trajectories.items():
@@ -74,9 +78,9 @@ def bent_figure(bent: BentBristles) -> Figure:
         ground = (0.0, -0.05 * float(np.ptp(np.concatenate(points)[:, 1])))
         show_points(axes, [*points, ground], 0.08)
         axes.axhspan(axes.get_ylim()[0], 0.0, color=LIGHT, linewidth=0.0, zorder=0)
-        axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
+        style.draw_zero(axes)
     if drawn:
-        slides.axhline(0.0, color=GREY, linewidth=0.8)
+        style.draw_zero(slides)
     else:
         for axes in (wires, paths, slides):
             axes.set_axis_off()
@@ -182,17 +186,18 @@ def neighbours_figure(
     alone = strike_values(row.tool, row.lone)
     for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
         title, unit, factor = style.QUANTITIES[name]
-        labels = {"xlabel": "pitch (°)", "ylabel": unit}
-        axes = style.add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of {last}", **labels)
+        place = (left, 1.9, 3.7, 3.2)
+        axes = style.add_panel(figure, place, title, f"of {last}", xlabel="pitch (°)", ylabel=unit)
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
-        look: style.Look = {"color": VERMILION, "markersize": 2.6, "label": f"{last} of the row"}
-        axes.plot(pitches, factor * strikes[name], "o", **look)
+        shown = factor * strikes[name]
+        label = f"{last} of the row"
+        axes.plot(pitches, shown, "o", color=VERMILION, markersize=2.6, label=label)
         for each in row.least:
             if (least := each.by_theory) is not None:
                 words, dashes = LEAST[each.name]
-                look = {"color": BLACK, "linewidth": 0.8, "label": f"{least:.2f}°: {words}"}
-                axes.axvline(least, dashes=dashes, zorder=1, **look)
+                label = f"{least:.2f}°: {words}"
+                axes.axvline(least, color=BLACK, linewidth=0.8, dashes=dashes, label=label)
         axes.set_xlim(left=0.0)
         style.span_at_least(axes, LEAST_SPAN)
         if np.isnan(strikes[name]).all():

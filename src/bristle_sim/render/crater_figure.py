@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, VERMILION
 from bristle_sim.render.drawing import show_points
-from bristle_sim.render.style import add_panel, blank_figure, note, styled
+from bristle_sim.render.style import add_panel, blank_figure, draw_zero, note, styled
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy, cut_of
 from bristle_sim.theory.crater import (
     energy_crater_depth_ratio,
@@ -47,9 +47,14 @@ def crater_figure(study: CraterStudy) -> Figure:
     _draw_estimates(
         add_panel(figure, place, "crater depth by every estimate", words, xlabel=label), rows
     )
-    labels = {"xlabel": "along the workpart (µm)", "ylabel": "height (µm)"}
-    title = "chip and shear plane, to scale"
-    _draw_chip(add_panel(figure, (1.5, 1.2, 14.0, 4.4), title, **labels), study)
+    chip = add_panel(
+        figure,
+        (1.5, 1.2, 14.0, 4.4),
+        "chip and shear plane, to scale",
+        xlabel="along the workpart (µm)",
+        ylabel="height (µm)",
+    )
+    _draw_chip(chip, study)
     return figure
 
 
@@ -119,7 +124,7 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
         lines[label] = (color, np.array([tip, tip + length * _direction(angle)]))
     show_points(axes, [*(points for _, points in lines.values()), 0.5 * (tip + tool)], 0.08)
     axes.axhspan(axes.get_ylim()[0], 0.0, color="#e3e6ea", linewidth=0.0, zorder=0)
-    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    draw_zero(axes)
     axes.fill(*tool.T, color=GREY, alpha=0.55, linewidth=0.0, zorder=2)
     note(axes, "tip", tuple(tool.mean(axis=0)), (0.0, 0.0), color="white", ha="center", zorder=3)
     for label, (color, points) in lines.items():

@@ -22,6 +22,7 @@ from bristle_sim.render.style import (
     Look,
     axes_at,
     blank_figure,
+    name_above,
     note,
     save_figure,
     styled,
@@ -181,18 +182,11 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     _limit(axes, panel)
     axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
     axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
-    handles, labels = axes.get_legend_handles_labels()
-    named = dict(zip(labels, handles, strict=True))  # lines of one label share an entry
-    look = {"frameon": True, "framealpha": 0.8, "edgecolor": "none", "labelspacing": 0.25}
+    sizes: Look = {"fontsize": 6.5, "handlelength": 0.9, "handletextpad": 0.3}
     if panel.family:
-        look = {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(named)}
-    sizes: Look = {
-        "fontsize": 6.5,
-        "handlelength": 0.9,
-        "handletextpad": 0.3,
-        "columnspacing": 0.55,
-    }
-    axes.legend(named.values(), named, **look, **sizes)
+        name_above(axes, -0.12, columnspacing=0.55, **sizes)
+    else:
+        axes.legend(frameon=True, framealpha=0.8, edgecolor="none", labelspacing=0.25, **sizes)
 
 
 def _limit(axes: Axes, panel: Panel) -> None:

@@ -14,6 +14,7 @@ from bristle_sim.render.style import (
     add_panel,
     add_right_scale,
     blank_figure,
+    draw_zero,
     note,
     styled,
 )
@@ -39,9 +40,14 @@ def force_figure(comparison: ForceComparison) -> Figure:
     name = "force of chapter 3" if curve is BRISTLE else "fit to the measured force"
     simulated = "and a bristle's contact of the same impulse and compression time"
     title = f"{name}, {simulated if contact else 'without a simulated contact'}"
-    labels = {"xlabel": "time since first touch (µs)", "ylabel": "force on the tip (N)"}
     figure = blank_figure(16.0, 7.9)
-    axes = add_panel(figure, (1.3, 1.2, 14.2, 5.4), title, **labels)
+    axes = add_panel(
+        figure,
+        (1.3, 1.2, 14.2, 5.4),
+        title,
+        xlabel="time since first touch (µs)",
+        ylabel="force on the tip (N)",
+    )
     end = curve.duration
     if measured is not None:
         dots = "." if measured.time.size <= MOST_DOTS else "-"
@@ -63,7 +69,7 @@ def force_figure(comparison: ForceComparison) -> Figure:
             axes.plot(MICROSECONDS * contact.time, force, dashes=dashes, label=name, **look)
         end = max(end, float(contact.time[-1]))
     axes.margins(y=0.1)
-    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    draw_zero(axes)
     first = 0.0 if measured is None else max(float(measured.time[0]), -BESIDE * curve.duration)
     axes.set_xlim(MICROSECONDS * first, MICROSECONDS * end)
     axes.legend(loc="upper right", labelspacing=0.3)
@@ -83,12 +89,11 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
     figure = blank_figure(16.0, 12.8)
-    labels = {"xlabel": "turn of the hub (°)", "ylabel": "sustained force (N)"}
     title = "one bristle in a turn, on the workpart"
-    _draw_turn(add_panel(figure, (1.5, 8.4, 12.8, 3.4), title, **labels), whole)
+    _draw_turn(add_panel(figure, (1.5, 8.4, 12.8, 3.4), title), whole)
     title = f"{whole.assembly.bristles:g} bristles behind a load cell of {whole.assembly.bandwidth:g} Hz"
-    labels = {"xlabel": "time (ms)", "ylabel": "normal force (N)"}
-    axes = add_panel(figure, (1.5, 1.2, 12.8, 4.7), title, **labels)
+    place = (1.5, 1.2, 12.8, 4.7)
+    axes = add_panel(figure, place, title, xlabel="time (ms)", ylabel="normal force (N)")
     series = load_cell_series(whole)
     force = series["normal_force (N)"]
     passes = whole.period * np.arange(PASSES)[:, np.newaxis]
@@ -119,10 +124,11 @@ def _draw_turn(axes: Axes, whole: WholeTool) -> None:
     angles, sizes = np.reshape(brief, (-1, 2)).T
     impulses.vlines(angles, 0.0, sizes, color=VERMILION, linewidth=1.4)
     impulses.set_ylabel("impulse (mN·s)", color=VERMILION)
-    axes.yaxis.label.set_color(BLUE)
+    axes.set_ylabel("sustained force (N)", color=BLUE)
+    axes.set_xlabel("turn of the hub (°)")
     for scale, count in ((axes, len(pushes) - len(brief)), (impulses, len(brief))):
         scale.margins(y=0.15)
         scale.set_ylim(bottom=0.0)
         scale.yaxis.set_visible(count > 0)
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    draw_zero(axes)
     axes.set(xlim=(0.0, 360.0), xticks=np.linspace(0.0, 360.0, 13))

@@ -12,8 +12,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.style import Look, add_panel, blank_figure, note, say, scale_for, styled
+from bristle_sim.render.colours import BLACK, BLUE, VERMILION
+from bristle_sim.render.style import (
+    Look,
+    add_panel,
+    blank_figure,
+    draw_zero,
+    note,
+    say,
+    scale_for,
+    styled,
+)
 from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 
@@ -75,14 +84,14 @@ def _draw_impulse_plane(
     if course.impulse.size < 2:
         say(axes, "the tip does not approach: no contact")
         return
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    draw_zero(axes)
     for which, (name, color) in LINES.items():
         values = getattr(course, which) * speed.factor
         axes.plot(course.impulse * impulse.factor, values, color=color, gid=which, label=name)
         if recorded is not None:
             points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
-            look: Look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3}
-            axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
+            (crosses,) = axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time")
+            crosses.set(markersize=3.6, markeredgewidth=0.8, zorder=3)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.08), ncols=2, fontsize=9.0)
     bottom, top = axes.get_ylim()
     axes.set_xlim(0.0, 1.03 * end * impulse.factor)

@@ -24,7 +24,7 @@ from bristle_sim.render.drawing import (
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
 from bristle_sim.render.story import Phase, phase_at
-from bristle_sim.render.style import Scale, scale_for, signed, styled
+from bristle_sim.render.style import Scale, draw_zero, scale_for, signed, styled
 from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.timed_contact import compression_end, pieces
 from bristle_sim.trajectory import ContactRecord
@@ -232,7 +232,7 @@ class ImpactFilm(Film):
         letters = 0.6 * self.letters
         clock = self.clock.factor
         axes = self.add_timeline((0.685, bottom, 0.305, 0.33), 0.9 * letters)
-        axes.axhline(0.0, color=GREY, linewidth=0.8)
+        draw_zero(axes)
         for part, color in COLOURS.items():
             name = f"{part}_{kind}"
             values = motion.samples[name] * scale.factor

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
-from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, VERMILION
+from bristle_sim.render.colours import BLACK, BLUE, LIGHT, VERMILION
 from bristle_sim.render.drawing import show_points
 from bristle_sim.render.style import (
     MICROSECONDS,
@@ -20,6 +20,7 @@ from bristle_sim.render.style import (
     add_panel,
     blank_figure,
     draw_colours,
+    draw_zero,
     styled,
     write_key,
 )
@@ -95,11 +96,11 @@ def film_map_figure(film: FilmMap) -> Figure:
         axes.set_ylabel("damping ratio of the wire" * (number == 0))
     rate = f"{film.grid.frame_rate:g} frames a second"
     words = f"{rate}, exposure {MICROSECONDS * film.grid.exposure:g} µs"
-    labels = {"xlabel": "along the workpart (mm)", "ylabel": "above the hub's axis (mm)"}
-    frames = add_panel(figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", words, **labels)
+    frames = add_panel(figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", words)
+    frames.set(xlabel="along the workpart (mm)", ylabel="above the hub's axis (mm)")
     words = "continuous, and in the camera's frames"
-    labels = {"xlabel": "time from the strike (µs)", "ylabel": "height (mm)"}
-    height = add_panel(figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", words, **labels)
+    height = add_panel(figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", words)
+    height.set(xlabel="time from the strike (µs)", ylabel="height (mm)")
     _draw_frames(frames, height, film)
     write_key(figure, LOOKS, columnspacing=1.2)
     return figure
@@ -146,4 +147,4 @@ def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
     height.plot(MICROSECONDS * (time - strike), tip, **MOTION)
     tips = (MICROSECONDS * (exposed - strike)).T, (MILLIMETRES * shown.tip[..., 1] - ground).T
     height.plot(*tips, zorder=3, **EXPOSED)
-    height.axhline(0.0, color=GREY, linewidth=0.8)
+    draw_zero(height)

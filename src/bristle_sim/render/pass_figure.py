@@ -27,6 +27,8 @@ from bristle_sim.render.style import (
     Look,
     axes_at,
     blank_figure,
+    draw_zero,
+    name_above,
     signed,
     styled,
     write_key,
@@ -105,7 +107,7 @@ def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
             axes.plot(MILLISECONDS * course.time, values, color=color, label=name)
             if (strike := run.event_time("strike")) is not None:
                 axes.axvline(MILLISECONDS * strike, color=color, linewidth=0.8, dashes=(4, 2))
-    panels[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    name_above(panels[0])
     panels[-1].set_xlabel("time (ms); dashed: strike")
     return figure
 
@@ -184,7 +186,7 @@ def _draw_lines(
         bottom, top = axes.get_ylim()
         axes.set_ylim(bottom, top + 0.25 * (top - bottom))  # room for the legend
     else:
-        axes.axhline(0.0, color=GREY, linewidth=0.6)
+        draw_zero(axes)
 
 
 def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:

@@ -17,6 +17,8 @@ from bristle_sim.render.style import (
     Look,
     add_panel,
     blank_figure,
+    draw_zero,
+    name_above,
     note,
     styled,
 )
@@ -41,15 +43,16 @@ def cue_figure(timing: CueTiming) -> Figure:
     figure = blank_figure(16.0, 11.1)
     place = (1.5, 6.5, 5.8, 3.3)
     retraction = add_panel(figure, place, "released from rest: retraction", ylabel="retraction (°)")
-    labels = {"xlabel": "time since release (ms)", "ylabel": "relative speed (rad/s)"}
     words = "up to the cue time, at which it is highest"
     place = (1.5, 1.2, 5.8, 3.6)
     title = "released from rest: relative speed"
-    speed = add_panel(figure, place, title, words, sharex=retraction, **labels)
+    speed = add_panel(figure, place, title, words, sharex=retraction)
+    speed.set(xlabel="time since release (ms)", ylabel="relative speed (rad/s)")
     _draw_motion(retraction, speed, timing)
     words = "to scale; filled: as given, blue: simulated, dashed: formula"
-    labels = {"xlabel": "x (mm)", "ylabel": "y (mm)"}
-    _draw_plan(add_panel(figure, PLAN, "where the bar must stand", words, **labels), timing)
+    plan = add_panel(figure, PLAN, "where the bar must stand", words)
+    plan.set(xlabel="x (mm)", ylabel="y (mm)")
+    _draw_plan(plan, timing)
     return figure
 
 
@@ -71,8 +74,8 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
         words = f"cue time\n{cued:.4g} ms,\n{rate[-1]:.1f} rad/s"
         note(speed, words, (cued, 0.0), (side, 4.0), color=color, ha=ha, va="bottom")
     retraction.set_xlim(0.0, 1.38 * latest * MILLISECONDS)
-    retraction.legend(loc="lower left", bbox_to_anchor=(-0.04, 0.98), ncols=2)
-    retraction.axhline(0.0, color=GREY, linewidth=0.6)
+    name_above(retraction)
+    draw_zero(retraction)
     retraction.tick_params(labelbottom=False)
     speed.set_ylim(bottom=0.0)
 
@@ -113,10 +116,10 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     retraction.
     """
     figure = blank_figure(16.0, 8.2)
-    labels = {"xlabel": "turn of the hub (°)", "ylabel": "retraction (°)"}
-    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction", **labels)
-    labels = {"xlabel": "retraction (°)", "ylabel": "rate (rad/s)"}
-    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub", **labels)
+    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction")
+    turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
+    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub")
+    phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
     contact = driven.pass_with_bar.first_contact("workpart")
     end = "no strike"
     if contact is not None:
@@ -131,11 +134,10 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
         speed = course.relative_rate
         for axes, x, y in ((turn, turned, retraction), (phase, retraction, speed)):
             axes.plot(x, y, color=color, marker="o", markevery=[-1], markersize=4.0, label=name)
-            axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+            draw_zero(axes)
         ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
         place = (retraction[-1], speed[-1])
         note(phase, words, place, (6.0, 5.0), color=color, bbox=ground)
-    phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.margins(x=0.05, y=0.12)
-    turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2)
+    name_above(turn)
     return figure

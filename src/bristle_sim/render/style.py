@@ -157,6 +157,26 @@ def note(
     )
 
 
+def draw_zero(axes: Axes) -> None:
+    """Draw a grey line where y is zero."""
+    axes.axhline(0.0, color=GREY, linewidth=0.7, zorder=1)
+
+
+def name_above(axes: Axes, left: float = -0.04, **look: Any) -> None:
+    """Add a legend in one row above a panel; ``left`` is its left edge over the panel's width."""
+    handles, names = axes.get_legend_handles_labels()
+    named = dict(zip(names, handles, strict=True))  # lines of one name share an entry
+    place = (left, 0.985)
+    axes.legend(
+        list(named.values()),
+        list(named),
+        loc="lower left",
+        bbox_to_anchor=place,
+        ncols=len(named),
+        **look,
+    )
+
+
 def say(axes: Axes, words: str) -> None:
     """Write a text in the middle of an empty panel, for example the reason why it is empty."""
     axes.set(xticks=[], yticks=[])

@@ -42,15 +42,13 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     figure = style.blank_figure(16.0, 13.6)
     _draw_force(figure, struck)
     links = struck.strike.tool.bristle.links
-    labels = {"xlabel": "number of links", "ylabel": "wire / rigid bristle"}
     title = "measures over the number of links"
-    by_links = style.add_panel(figure, (9.4, 8.1, 6.3, 4.2), title, **labels)
-    labels = {
-        "xlabel": "contact of the rigid bristle, $T$ (µs)",
-        "ylabel": f"wire of {links} links / rigid bristle",
-    }
+    by_links = style.add_panel(figure, (9.4, 8.1, 6.3, 4.2), title)
+    by_links.set(xlabel="number of links", ylabel="wire / rigid bristle")
     title = "measures over the contact's duration"
-    by_duration = style.add_panel(figure, (1.4, 1.2, 14.3, 4.6), title, xscale="log", **labels)
+    by_duration = style.add_panel(figure, (1.4, 1.2, 14.3, 4.6), title, xscale="log")
+    by_duration.set_xlabel("contact of the rigid bristle, $T$ (µs)")
+    by_duration.set_ylabel(f"wire of {links} links / rigid bristle")
     durations = study.durations * style.MICROSECONDS
     for name, (words, color, marker) in LOOKS.items():
         look: style.Look = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
@@ -65,18 +63,17 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     for axes in (by_links, by_duration):
         axes.axhline(1.0, color=GREY, linewidth=0.8, dashes=(4, 2), zorder=1)
         axes.set_ylim(bottom=0.0)
-        place: style.Look = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.985), "ncols": 4}
-        axes.legend(**place, handlelength=1.0, handletextpad=0.4, columnspacing=0.8)
+        style.name_above(axes, handlelength=1.0, handletextpad=0.4, columnspacing=0.8)
     return figure
 
 
 def _draw_force(figure: Figure, struck: FlexibleWire) -> None:
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
     clock = style.scale_for(max(rigid["time_in_touch"], own["time_in_touch"]), "s")
-    labels = {"xlabel": f"time since the first touch ({clock.unit})", "ylabel": "normal force (N)"}
     times = rigid["peak_force"] / own["peak_force"]
     title = f"the rigid bristle pushes {times:.2g} times as hard"
-    axes = style.add_panel(figure, (1.4, 8.1, 6.3, 4.2), title, **labels)
+    axes = style.add_panel(figure, (1.4, 8.1, 6.3, 4.2), title)
+    axes.set(xlabel=f"time since the first touch ({clock.unit})", ylabel="normal force (N)")
     wire = f"wire of {struck.strike.tool.bristle.links} links"
     for run, color, name, values in (
         (struck.rigid, GREY, "rigid bristle", rigid),
