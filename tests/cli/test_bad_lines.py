@@ -156,7 +156,6 @@ def test_an_unusual_value_of_a_command_is_one_line(capsys) -> None:
     ("line", "module", "words"),
     [
         (f"{SWEPT} --workers 2", "studies.sweep", "extra sweep: pip install bristle-sim[sweep]"),
-        ("explore", "cli.explore.server", "pip install 'bristle-sim[explore]' brings it"),
     ],
 )
 def test_a_missing_extra_is_named(

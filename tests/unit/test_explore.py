@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import http.client
 import json
 import os
 import re
@@ -24,13 +25,10 @@ import pytest
 
 import bristle_sim as bs
 from bristle_sim.cli import command
-
-pytest.importorskip("flask")
-
 from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore import worker as worker_module
 from bristle_sim.cli.explore.entry import explore
-from bristle_sim.cli.explore.server import application, meant_for, server
+from bristle_sim.cli.explore.server import Server, meant_for
 from bristle_sim.cli.explore.worker import Worker, Workers
 from bristle_sim.cli.scenario import main_scenario
 
@@ -41,9 +39,41 @@ def patience(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(worker_module, "TIME_LIMIT", 600.0)
 
 
+class Client:
+    """A browser without a page: sends requests to the server and keeps no state."""
+
+    def __init__(self, port: int) -> None:
+        self.port = port
+
+    def get(self, path: str, *, query_string: Any = None, headers: Any = None) -> Any:
+        """Return an answer with its status code, headers and content."""
+        asked = path.replace(" ", "%20") + (
+            f"?{urllib.parse.urlencode(query_string)}" if query_string else ""
+        )
+        connection = http.client.HTTPConnection("127.0.0.1", self.port)
+        connection.request("GET", asked, headers=headers or {})
+        answer = connection.getresponse()
+        data = answer.read()
+        connection.close()
+        text = data.decode("utf-8", "replace")
+        is_json = answer.headers["Content-Type"].startswith("application/json")
+        return SimpleNamespace(
+            status_code=answer.status,
+            headers=answer.headers,
+            data=data,
+            text=text,
+            json=json.loads(text) if is_json else None,
+        )
+
+
 @pytest.fixture(scope="module")
-def client() -> Any:
-    return application(["friction=0.4"]).test_client()
+def client() -> Iterator[Client]:
+    server = Server(["friction=0.4"])
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield Client(server.server_port)
+    server.shutdown()
+    thread.join()
 
 
 def test_a_run_is_the_simulated_one(client: Any) -> None:
@@ -243,7 +273,9 @@ def test_a_worker_has_one_thread_of_linear_algebra() -> None:
     environment = Path(f"/proc/{worker._process.pid}/environ")
     if not environment.exists():
         pytest.skip("needs /proc")
-    assert b"OPENBLAS_NUM_THREADS=" in environment.read_bytes()
+    while not (given := environment.read_bytes()):  # until the process has begun
+        time.sleep(0.01)
+    assert b"OPENBLAS_NUM_THREADS=" in given
 
 
 def test_a_worker_ends_with_its_server() -> None:
@@ -275,16 +307,17 @@ def is_alive(pid: int) -> bool:
 @pytest.mark.parametrize(
     ("name", "status"),
     [
-        ("localhost", 200),
-        ("127.0.0.1:80", 200),
-        ("[::1]", 200),
-        ("elsewhere.example", 421),
+        ("localhost:{port}", 200),
+        ("127.0.0.1:{port}", 200),
+        ("[::1]:{port}", 200),
+        ("elsewhere.example:{port}", 421),
         ("127.0.0.1:81", 421),
+        ("127.0.0.1", 421),
         ("", 421),
     ],
 )
 def test_only_requests_to_this_machine_are_answered(client: Any, name: str, status: int) -> None:
-    answer = client.get("/", headers={"Host": name})
+    answer = client.get("/", headers={"Host": name.format(port=client.port)})
     assert answer.status_code == status
     assert answer.headers["X-Content-Type-Options"] == "nosniff"
     assert "default-src 'none'; script-src 'sha256-" in answer.headers["Content-Security-Policy"]
@@ -302,12 +335,13 @@ def test_only_requests_to_this_machine_are_answered(client: Any, name: str, stat
 )
 def test_a_server_on_another_address_has_its_name(name: str, host: str, meant: bool) -> None:
     assert meant_for(name, host, "8000") is meant
+    assert meant_for(name.partition(":")[0], host, "80") is (meant or name == "127.0.0.1:port")
 
 
 def test_a_request_that_does_not_end_is_given_up(
     monkeypatch: pytest.MonkeyPatch, address: str
 ) -> None:
-    monkeypatch.setattr("bristle_sim.cli.explore.server._Quiet.timeout", 0.2)
+    monkeypatch.setattr("bristle_sim.cli.explore.server.Request.timeout", 0.2)
     with socket.create_connection(
         ("127.0.0.1", urllib.parse.urlparse(address).port or 0), timeout=30.0
     ) as slow:
@@ -348,7 +382,7 @@ def test_two_tools_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 @pytest.fixture
 def address() -> Iterator[str]:
-    serving = server()
+    serving = Server()
     thread = threading.Thread(target=serving.serve_forever)
     thread.start()
     yield f"http://127.0.0.1:{serving.server_port}/"
@@ -408,7 +442,7 @@ def test_the_command_serves_until_it_is_ended(monkeypatch: pytest.MonkeyPatch, c
         raise KeyboardInterrupt
 
     serving = SimpleNamespace(server_port=8000, serve_forever=interrupted)
-    monkeypatch.setattr("bristle_sim.cli.explore.server.server", lambda *_, **__: serving)
+    monkeypatch.setattr("bristle_sim.cli.explore.server.Server", lambda *_, **__: serving)
     assert command.main(["explore"]) == 130
     out, err = capsys.readouterr()
     assert "http://127.0.0.1:8000/ shows the bench; Ctrl-C ends it" in out + err

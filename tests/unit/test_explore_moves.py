@@ -10,11 +10,8 @@ import numpy as np
 import pytest
 
 import bristle_sim as bs
-
-pytest.importorskip("flask")
-
 from bristle_sim.cli.explore import worker as worker_module
-from bristle_sim.cli.explore.server import server
+from bristle_sim.cli.explore.server import Server
 
 MOVES = """
 window.until = async (held) => { while (!held()) await new Promise((done) => setTimeout(done, 2)); };
@@ -53,7 +50,7 @@ window.moved = async (count, seed) => {
 @pytest.fixture
 def address(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     monkeypatch.setattr(worker_module, "TIME_LIMIT", 600.0)
-    serving = server()
+    serving = Server()
     thread = threading.Thread(target=serving.serve_forever)
     thread.start()
     yield f"http://127.0.0.1:{serving.server_port}/"

@@ -20,6 +20,7 @@ from joblib.externals.loky import ProcessPoolExecutor
 from bristle_sim.studies.sweep_identity import name_of
 from bristle_sim.studies.sweep_point import (
     LOST,
+    THREADS,
     Function,
     Outcome,
     Point,
@@ -30,8 +31,6 @@ from bristle_sim.studies.sweep_point import (
 LARGEST_BATCH = 4096  # Largest number of points that are sent to a worker at once
 WAITING = 2  # Number of batches sent for each worker, so that no worker waits for its next batch
 ATTEMPTS = 3  # Number of workers that a point alone in its batch must lose to count as the cause of the losses
-# Environment variables of the libraries that start threads of their own
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 

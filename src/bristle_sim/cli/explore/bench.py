@@ -4,7 +4,6 @@ results.
 
 from __future__ import annotations
 
-import base64
 import shlex
 from collections.abc import Sequence
 from functools import partial
@@ -17,12 +16,12 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.cli.main import draw
-from bristle_sim.cli.output import csv_text, document, format_value
-from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.cli.output import csv_text, document, format_value, write_text
+from bristle_sim.cli.scenario import Scenario, Values, build_parameters
 from bristle_sim.comparison import cells
 from bristle_sim.conversion import exact_text
-from bristle_sim.declared import Computed, declarations
-from bristle_sim.parameters import PARTS, Tool, tool_keys
+from bristle_sim.declared import declarations
+from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.readable import plain_number
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
@@ -251,48 +250,46 @@ PRESETS = {
 joined by &. All tools except Zhang's strike radially."""
 
 
-def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, Any]:
-    """Simulate a pass and return its results as a file, encoded in base64.
+def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, bytes]:
+    """Simulate a pass and return its results as the bytes of a file.
 
     ``kind`` is the suffix of the file, one of :data:`DOWNLOADS`.
     """
-    return {"content": base64.b64encode(_file(pass_of, kind, assignments)).decode("ascii")}
-
-
-def _file(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> bytes:
-    """Simulate a pass and return the bytes of its results as a file; ``kind`` is the file's suffix."""
     values = pass_of.values_of(assignments)
-    if kind == "json":
-        return f"{document(pass_of.name, values, pass_of.answer(values))}\n".encode()
-    if kind == "csv" and pass_of.series is not None:
-        return f"{csv_text(pass_of.series(pass_of.answer(values)))}\n".encode()
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"tool.{kind}"
         if kind == "toml":
             write_tool(build_parameters(Tool, values), path)
-        elif kind == "html":
-            write_report(
-                path,
-                pass_of.answer(values),
-                name=pass_of.name,
-                question=pass_of.question,
-                command=command(assignments),
-                parameters=pass_of.parameter_rows(values),
-                plot=partial(draw, pass_of),
-            )
         else:
-            draw(pass_of, pass_of.answer(values), path)
-        return path.read_bytes()
+            _write(pass_of, path, values, assignments)
+        return {"content": path.read_bytes()}
 
 
-def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
+def _write(pass_of: Scenario, path: Path, values: Values, assignments: Sequence[str]) -> None:
+    """Simulate a pass and write its results to a file of the kind that its suffix names."""
+    report = pass_of.answer(values)
+    if path.suffix == ".json":
+        write_text(path, document(pass_of.name, values, report))
+    elif path.suffix == ".csv":
+        assert pass_of.series is not None
+        write_text(path, csv_text(pass_of.series(report)).removesuffix("\n"))
+    elif path.suffix == ".html":
+        write_report(
+            path,
+            report,
+            name=pass_of.name,
+            question=pass_of.question,
+            command=command(assignments),
+            parameters=pass_of.parameter_rows(values),
+            plot=partial(draw, pass_of),
+        )
+    else:
+        draw(pass_of, report, path)
+
+
+def assignments_of(tool: Tool, pass_of: Scenario) -> list[str]:
     """Return the assignments ``KEY=VALUE`` that change the default tool into the given tool."""
-    assignments = list[str]()
-    known = pass_of.keys()
-    for part, keys in tool_keys().items() if tool is not None else ():
-        owner = getattr(tool, part) if part else tool
-        for key, (field, _) in keys.items() if owner is not None else ():
-            value = getattr(owner, field)
-            if key in known and not isinstance(value, Computed | None) and value != known[key][1]:
-                assignments.append(f"{key}={value}")
-    return assignments
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "tool.toml"
+        write_tool(tool, path)
+        return pass_of.assignments_from(str(path))[0]

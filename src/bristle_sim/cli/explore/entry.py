@@ -31,14 +31,11 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
     Returns:
         The frame, which a notebook shows. This Python process serves the page as long as the
             process runs.
-
-    Raises:
-        ModuleNotFoundError: without the extra ``explore``.
     """
     from bristle_sim.cli.explore.bench import assignments_of
     from bristle_sim.cli.explore.server import serve
 
-    address = serve(assignments_of(tool, main_scenario()))
+    address = serve([] if tool is None else assignments_of(tool, main_scenario()))
     return Html(
         f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>'
     )
@@ -48,7 +45,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     """Run ``bristle-sim explore``: serve the interactive page of a tool until Ctrl-C; return 0.
 
     Raises:
-        ValueError: for bad input, or without the extra ``explore``.
+        ValueError: for bad input.
         OSError: if the port is in use.
     """
     parser.add_argument("tool", nargs="?", metavar="FILE.toml", help="the tool to begin with")
@@ -61,15 +58,11 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     options = parser.parse_args(arguments)
     start = [] if options.tool is None else pass_of.assignments_from(options.tool, "FILE.toml")[0]
     pass_of.values_of(start)
-    try:
-        from bristle_sim.cli.explore.server import server
-    except ModuleNotFoundError as error:
-        raise ValueError(
-            f"{error.name}: must be installed; pip install 'bristle-sim[explore]' brings it"
-        ) from error
-    serving = server(start, host=options.host, port=options.port)
-    print_line(f"http://{options.host}:{serving.server_port}/ shows the bench; Ctrl-C ends it")
-    serving.serve_forever()
+    from bristle_sim.cli.explore.server import Server
+
+    server = Server(start, host=options.host, port=options.port)
+    print_line(f"http://{options.host}:{server.server_port}/ shows the bench; Ctrl-C ends it")
+    server.serve_forever()
     return 0
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -26,10 +26,9 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import placed, radial_place, strikes_of
 from bristle_sim.studies.design import design
 from bristle_sim.studies.limits import limits
-from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
+from bristle_sim.studies.many_passes import OUTCOME, REASON, checked_range, pass_quantities
 from bristle_sim.studies.surface import surface
 from bristle_sim.studies.whole_pass import QUANTITIES
-from bristle_sim.units import Range
 
 SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map; their errors are far below one shade
 COARSE = 40
@@ -56,10 +55,11 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
-    ends = [_ends(pass_of, *asked[axis]) for axis in "xy"]
-    points = 1 + (FINE if fine == "1" else COARSE)
-    lines = (np.linspace(low, high, points) for _, low, high in ends)
-    places = dict(zip([key for key, _, _ in ends], np.meshgrid(*lines), strict=True))
+    lines = {}
+    for key, *ends in (asked["x"], asked["y"]):
+        low, high = (float(pass_of.keys()[key][0].parse(each)) for each in ends)
+        lines[key] = np.linspace(low, high, 1 + (FINE if fine == "1" else COARSE))
+    places = dict(zip(lines, np.meshgrid(*lines.values()), strict=True))
     found = pass_quantities(tool, SETTINGS, **places)
     codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)
     if (codes == REFUSED).all():
@@ -83,13 +83,6 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     }
 
 
-def _ends(pass_of: Scenario, key: str, *ends: str) -> tuple[str, float, float]:
-    """Return a parameter's name and the ends of its range in SI units, from texts with units."""
-    declared = pass_of.keys()[key][0]
-    low, high = (float(declared.parse(each)) for each in ends)
-    return key, low, high
-
-
 def _coded(numbers: Array) -> str:
     return base64.b64encode(numbers.astype(np.uint8).tobytes()).decode("ascii")
 
@@ -97,11 +90,12 @@ def _coded(numbers: Array) -> str:
 def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
     """Find the values of the map's first parameter at which the outcome changes; return a sentence."""
     tool = build_parameters(Tool, pass_of.values_of(assignments))
-    key, low, high = _ends(pass_of, *json.loads(on)["x"])
-    declared = pass_of.keys()[key][0]
-    assert isinstance(declared, Range)
-    found = limits(tool, accuracy=SETTINGS.accuracy, **{key: (low, high)})
-    return {"answer": limits_in_words(declared, min(low, high), max(low, high), found)}
+    key, *ends = json.loads(on)["x"]
+    low, high = checked_range(tool, key, ends)
+    between: dict[str, Any] = {key: (low, high)}
+    found = limits(tool, accuracy=SETTINGS.accuracy, **between)
+    declared: Any = pass_of.keys()[key][0]
+    return {"answer": limits_in_words(declared, low, high, found)}
 
 
 def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
@@ -111,8 +105,8 @@ def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
-    ranges = [_ends(pass_of, *asked[axis]) for axis in "xy"]
-    found = design(tool, want=asked["want"], vary={key: (low, high) for key, low, high in ranges})
+    vary = {key: ends for key, *ends in (asked["x"], asked["y"])}
+    found = design(tool, want=asked["want"], vary=vary)
     return {
         "answer": " ".join([found.answer, *found.remarks]),
         "assignments": {
@@ -144,13 +138,3 @@ def surface_of(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     with TemporaryDirectory() as folder:
         path = save_figure(surface_figure(made), Path(folder) / "surface.png")
         return {"picture": base64.b64encode(path.read_bytes()).decode("ascii")}
-
-
-KINDS: dict[str, Callable[..., dict[str, Any]]] = {
-    "map": map_of,
-    "limits": limits_of,
-    "design": design_of,
-    "radial": radial_bar,
-    "surface": surface_of,
-}
-"""The functions that answer requests of the page, by the name of the request."""

@@ -8,25 +8,26 @@ from __future__ import annotations
 import base64
 import contextlib
 import hashlib
-import io
 import ipaddress
+import json
 import mimetypes
 import re
+import socket
 import threading
 from collections.abc import Sequence
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
-from urllib.parse import urlsplit
-
-from flask import Flask, Response, jsonify, request
-from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
+from urllib.parse import parse_qsl, urlsplit
 
 from bristle_sim.cli.explore import bench
-from bristle_sim.cli.explore.worker import Workers
+from bristle_sim.cli.explore.worker import KINDS, Workers
 from bristle_sim.cli.scenario import main_scenario
 from bristle_sim.render.report import filled
 
 OF_THE_PAGE = ("pin", "on", "fine")  # parts of a request that are not parameters of the tool
 READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
+
+PLAIN = "text/plain; charset=utf-8"
 
 NAMES = ("localhost", "127.0.0.1", "::1")
 """Names of this machine that a request may carry.
@@ -35,94 +36,117 @@ A foreign page can make a name of its own point to this machine (DNS rebinding).
 that name and are refused."""
 
 
-def application(start: Sequence[str] = (), host: str = NAMES[0]) -> Flask:
-    """Return the web application that serves the interactive page of a tool.
+class Server(ThreadingHTTPServer):
+    """A listening web server of the interactive page; each request has its own thread."""
 
-    ``start`` holds the assignments ``KEY=VALUE`` of the tool that is shown first. ``host`` is the
-    address on which the server listens.
+    def __init__(
+        self, start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0
+    ) -> None:
+        """Make the page and begin to listen.
 
-    Raises:
-        ValueError: for a refused value.
-    """
-    app = Flask("bristle_sim.cli.explore", static_folder=None)
-    pass_of = main_scenario()
-    workers = Workers()
-    page = filled(
-        "explore.html.jinja",
-        keys=bench.knobs(pass_of, start),
-        presets=bench.PRESETS,
-        downloads=bench.DOWNLOADS,
-        quantities=bench.COLOURS,
-    )
+        Args:
+            start: assignments ``KEY=VALUE`` of the tool that is shown first.
+            host: address on which the server listens.
+            port: port; 0 for any free one.
 
-    def typed() -> list[str]:
-        return [f"{key}={value}" for key, value in request.args.items() if key not in OF_THE_PAGE]
-
-    _guard(app, host, content_policy(page))
-
-    def client() -> str:
-        return request.headers.get("X-Client", "")
-
-    @app.get("/")
-    def index() -> Response:
-        return Response(page, mimetype="text/html")
-
-    @app.get("/run")
-    def run() -> Response:
-        return jsonify(workers.answer(client(), "run", list(start), typed()))
-
-    @app.get("/progress")
-    def progress() -> Response:
-        return jsonify(done=workers.progress(client()))
-
-    @app.get("/<any(radial, map, limits, design, surface):kind>")
-    def searched(kind: str) -> Response:
-        options = [request.args[each] for each in ("on", "fine") if each in request.args]
-        return jsonify(workers.answer(client(), kind, [*start, *typed()], *options))
-
-    @app.get("/download/<kind>")
-    def download(kind: str) -> Response:
-        """Answer with the results of a pass as a file; ``kind`` is the file's suffix."""
-        if kind not in bench.DOWNLOADS:
-            return Response(status=404)
-        found = workers.answer("", "download", kind, [*start, *typed()])
-        if "error" in found:
-            return Response(found["error"] + "\n", status=400, mimetype="text/plain")
-        headers = {"Content-Disposition": f"attachment; filename=tool.{kind}"}
-        content = base64.b64decode(found["content"])
-        return Response(
-            content,
-            mimetype=mimetypes.types_map.get(f".{kind}", "application/toml"),
-            headers=headers,
+        Raises:
+            OSError: if the server cannot listen on the host and port.
+            ValueError: for a refused value.
+        """
+        self.page = filled(
+            "explore.html.jinja",
+            keys=bench.knobs(main_scenario(), start),
+            presets=bench.PRESETS,
+            downloads=bench.DOWNLOADS,
+            quantities=bench.COLOURS,
         )
+        self.protection = {
+            "Content-Security-Policy": content_policy(self.page),
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer",
+            "Cache-Control": "no-store",
+        }
+        self.start = [*start]
+        self.host = host
+        self.workers = Workers()
+        self.address_family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        try:
+            super().__init__((host, port), Request)
+        except OSError as error:
+            raise OSError(f"--host {host} --port {port}: {error.strerror}") from None
 
-    return app
+    def serve_forever(self, poll_interval: float = 0.5) -> None:
+        """Answer requests until the server is shut down; then close its socket."""
+        with self:
+            super().serve_forever(poll_interval)
 
 
-def _guard(app: Flask, host: str, policy: str) -> None:
-    """Let an application refuse requests that are not meant for it, and send headers that protect
-    the page.
-    """
+class Request(BaseHTTPRequestHandler):
+    """A request of the page, with its answer."""
 
-    @app.before_request
-    def check_host() -> Response | None:
-        """Refuse a request whose Host header does not name this server."""
-        if meant_for(request.headers.get("Host", ""), host, request.environ["SERVER_PORT"]):
-            return None
-        return Response(
-            "Host: must be the address that the command printed\n",
-            status=421,
-            mimetype="text/plain",
-        )
+    timeout = READ_TIMEOUT
+    server: Server
 
-    @app.after_request
-    def protect(response: Response) -> Response:
-        """Add the headers that restrict a browser to the page's own script and to this server."""
-        response.headers["Content-Security-Policy"] = policy
-        response.headers["X-Content-Type-Options"] = "nosniff"
-        response.headers["Referrer-Policy"] = "no-referrer"
-        response.headers["Cache-Control"] = "no-store"
-        return response
+    def handle(self) -> None:
+        """Answer the request; a browser that no longer waits for the answer is no error."""
+        with contextlib.suppress(ConnectionError):
+            super().handle()
+
+    def do_GET(self) -> None:
+        """Answer with the page, the result of a computation as JSON, or a file."""
+        server = self.server
+        url = urlsplit(self.path)
+        given = dict(parse_qsl(url.query, keep_blank_values=True))
+        typed = [f"{key}={value}" for key, value in given.items() if key not in OF_THE_PAGE]
+        options = [given[each] for each in ("on", "fine") if each in given]
+        kind, _, suffix = url.path.removeprefix("/").partition("/")
+        client = self.headers.get("X-Client", "")
+        if not meant_for(self.headers.get("Host", ""), server.host, str(server.server_port)):
+            self._send("Host: must be the address that the command printed\n", PLAIN, 421)
+        elif not kind:
+            self._send(server.page, "text/html; charset=utf-8")
+        elif kind == "progress":
+            self._send({"done": server.workers.progress(client)})
+        elif kind == "run":
+            self._send(server.workers.answer(client, kind, server.start, typed))
+        elif kind in KINDS and not suffix:
+            self._send(server.workers.answer(client, kind, [*server.start, *typed], *options))
+        elif kind == "download" and suffix in bench.DOWNLOADS:
+            found = server.workers.answer("", kind, suffix, [*server.start, *typed])
+            if "error" in found:
+                self._send(f"{found['error']}\n", PLAIN, 400)
+            else:
+                mime = mimetypes.types_map.get(f".{suffix}", "application/toml")
+                self._send(found["content"], mime, name=f"tool.{suffix}")
+        else:
+            self._send("", PLAIN, 404)
+
+    def _send(
+        self,
+        content: Any,
+        mime: str = "application/json",
+        status: int = 200,
+        name: str = "",
+    ) -> None:
+        """Send an answer: bytes, a text, or a dictionary as JSON.
+
+        Headers restrict a browser to the page's own script and to this server. ``name`` is the name
+        of a file under which the browser keeps the answer.
+        """
+        text = json.dumps(content) if isinstance(content, dict) else content
+        data = text.encode() if isinstance(text, str) else text
+        length = str(len(data))
+        of_content = {"Content-Type": mime, "Content-Length": length}
+        self.send_response(status)
+        for header, value in (self.server.protection | of_content).items():
+            self.send_header(header, value)
+        if name:
+            self.send_header("Content-Disposition", f"attachment; filename={name}")
+        self.end_headers()
+        self.wfile.write(data)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Log nothing."""
 
 
 def meant_for(header: str, host: str, port: str) -> bool:
@@ -160,43 +184,12 @@ def content_policy(page: str) -> str:
     )
 
 
-def server(start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0) -> BaseWSGIServer:
-    """Return a listening web server of the interactive page; each request has its own thread.
-
-    Args:
-        start: assignments ``KEY=VALUE`` of the tool that is shown first.
-        host: address on which the server listens.
-        port: port; 0 for any free one.
-
-    Raises:
-        OSError: if the server cannot listen on the host and port.
-        ValueError: for a refused value.
-    """
-    taken = io.StringIO()
-    try:
-        with contextlib.redirect_stderr(taken):
-            return make_server(
-                host, port, application(start, host), threaded=True, request_handler=_Quiet
-            )
-    except SystemExit:  # werkzeug raises it for a port in use
-        raise OSError(f"--host {host} --port {port}: {taken.getvalue().splitlines()[0]}") from None
-
-
-class _Quiet(WSGIRequestHandler):
-    """Request handler that logs nothing and stops reading a request after READ_TIMEOUT seconds."""
-
-    timeout = READ_TIMEOUT
-
-    def log(self, type: str, message: str, *args: Any) -> None:
-        """Suppress the log line of a request."""
-
-
 def serve(start: Sequence[str] = ()) -> str:
     """Serve the interactive page from a thread of this process, and return its address.
 
     Raises:
         ValueError: for a refused value.
     """
-    serving = server(start)
-    threading.Thread(target=serving.serve_forever, daemon=True).start()
-    return f"http://127.0.0.1:{serving.server_port}/"
+    server = Server(start)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return f"http://127.0.0.1:{server.server_port}/"

@@ -1,35 +1,32 @@
-"""Processes that simulate for the bench, the interactive page of a tool.
+"""Processes that compute for the bench, the interactive page of a tool.
 
-A process of its own lets the server stop a simulation, and a crash ends that simulation alone.
+A process of its own lets the server stop a computation, and a crash ends that computation alone.
 
 Linear algebra runs in one thread in each process. The systems of equations of a run have three
 rows; several threads, which wait for each other, made a run take three times as long while a map
 was computed.
 
-A process reads computations to do from its standard input, one in each line. It writes its progress
-and its answer in one line each. All lines are JSON. A line with the number of a computation stops
-that computation. The process ends when its input ends, and therefore with the server, however the
-server ends.
+Server and process are connected by a pipe. The server sends computations, and the number of a
+computation to stop it. The process sends its progress, a float, and its answer. It ends when the
+pipe is closed, and therefore with the server, however the server ends.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import logging
+import multiprocessing
 import os
+import pkgutil
 import queue
 import signal
-import subprocess
-import sys
 import threading
 import time
 import warnings
-import weakref
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any, BinaryIO
+from multiprocessing.connection import Connection
+from typing import Any
 
-from bristle_sim.studies.sweep_workers import THREADS
+from bristle_sim.studies.sweep_point import THREADS
 
 TIME_LIMIT = 60.0
 """Time, s, after which a computation is ended.
@@ -44,6 +41,19 @@ MOST_RUNNING = 4  # largest number of simultaneous computations; further ones wa
 # Largest number of waiting processes, each of about 100 MB: for a run, a map and a spare
 MOST_IDLE = 3
 
+KINDS = {
+    "run": "bench:run_of",
+    "download": "bench:download",
+    "map": "searches:map_of",
+    "limits": "searches:limits_of",
+    "design": "searches:design_of",
+    "radial": "searches:radial_bar",
+    "surface": "searches:surface_of",
+}
+"""Module and name of the function that answers a request, by the name of the request.
+
+A module is imported by the first request that needs it: the searches import as much as a run."""
+
 Answer = dict[str, Any]
 
 
@@ -51,92 +61,61 @@ class Worker:
     """A process that waits for computations from the server and does one at a time.
 
     Attributes:
-        reason: reason why the server has ended the process, in one line; otherwise empty.
         progress: finished fraction of the present computation, as last reported.
     """
 
     def __init__(self) -> None:
         """Start the process, which then imports the modules that it needs."""
-        self.reason = ""
         self.progress = 0.0
         self._number = 0  # of the present computation
-        self._process = subprocess.Popen(
-            [sys.executable, "-c", f"from {__name__} import work; work()"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=dict.fromkeys(THREADS, "1") | os.environ,
-        )
-        self._finalize = weakref.finalize(self, _end, self._process)
+        self._deadline = 0.0  # at which the present computation is ended
+        self._late = ""  # reason for its end
+        os.environ |= dict.fromkeys(THREADS, "1") | os.environ  # the process inherits it
+        start = multiprocessing.get_context("spawn")
+        self._pipe, theirs = start.Pipe()
+        self._process = start.Process(target=work, args=[theirs], daemon=True)
+        self._process.start()
+        theirs.close()
 
-    def answer(self, kind: str, arguments: Sequence[Any]) -> Answer:
+    def answer(self, kind: str, arguments: tuple[Any, ...]) -> Answer:
         """Let the process do a computation, and return its result.
 
         A result with the entry ``error`` gives the reason why the input was refused or why the
         process ended.
         """
-        sent = self._process.stdin
-        received = self._process.stdout
-        assert sent is not None
-        assert received is not None
-        timer = threading.Timer(
-            TIME_LIMIT,
-            self.end,
-            [f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"],
-        )
-        timer.start()
+        self._number += 1
         self.progress = 0.0
+        self._late = f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"
+        self._deadline = time.monotonic() + TIME_LIMIT
         try:
-            sent.write(json.dumps([self._number, kind, arguments]).encode() + b"\n")
-            sent.flush()
-            while (line := received.readline())[:1].isdigit():
-                self.progress = float(line)
-        except OSError:  # the worker has ended
-            line = b""
-        finally:
-            timer.cancel()
-            self._number += 1
-        if line.endswith(b"\n"):
-            found: Answer = json.loads(line)
-            return found
-        status = self._process.wait()
-        return {
-            "error": self.reason
-            or f"the process that computed this ended with status {status}; try other values"
-        }
+            self._pipe.send((self._number, kind, arguments))
+            while time.monotonic() < self._deadline:
+                if self._pipe.poll(REPORTED):
+                    found = self._pipe.recv()
+                    if not isinstance(found, float):
+                        return dict(found)
+                    self.progress = found
+        except (EOFError, OSError):  # the process has ended
+            self._process.join()
+            status = self._process.exitcode
+            return {
+                "error": f"the process that computed this ended with status {status}; try other values"
+            }
+        self._process.kill()
+        self._process.join()
+        return {"error": self._late}
 
     @property
     def alive(self) -> bool:
         """Whether the process still runs."""
-        return self._process.poll() is None
+        return self._process.is_alive()
 
     def stop(self) -> None:
         """Stop the present computation; end the process if the computation does not stop in time."""
-        number = self._number
-        sent = self._process.stdin
-        assert sent is not None
-        with contextlib.suppress(OSError):  # the worker has ended
-            sent.write(f"{number}\n".encode())
-            sent.flush()
-        late = threading.Timer(GRACE, self._end_late, [number])
-        late.daemon = True
-        late.start()
-
-    def _end_late(self, number: int) -> None:
-        if number == self._number:
-            self.end(STOPPED)
-
-    def end(self, reason: str = "") -> None:
-        """End the process; the present computation then returns the reason as its error."""
-        self.reason = reason
-        self._process.kill()
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    process.wait()
-    for pipe in (process.stdin, process.stdout):
-        with contextlib.suppress(OSError):  # a request that was never read
-            pipe.close() if pipe is not None else None
+        self._late = STOPPED
+        self._deadline = time.monotonic() + GRACE
+        with contextlib.suppress(OSError):  # the process has ended
+            self._pipe.send(self._number)
 
 
 class Workers:
@@ -155,16 +134,27 @@ class Workers:
         A new computation stops the earlier computation of the same page. An empty ``page`` stops
         nothing.
         """
-        with self._lock:
-            if (older := self._running.get(page)) is not None:
-                older.stop()
+        self._stop(page)
         if not self._free.acquire(timeout=TIME_LIMIT):
             return {"error": "the server is busy; try again in a minute"}
+        with self._lock:
+            self._idle = [each for each in self._idle if each.alive]
+            worker = self._idle.pop() if self._idle else Worker()
+            if not self._idle:
+                self._idle.append(Worker())  # taken last, as it has to import what it needs
+            self._stop(page)
+            if page:
+                self._running[page] = worker
         try:
-            with self._job(page) as worker:
-                return worker.answer(kind, arguments)
+            return worker.answer(kind, arguments)
         finally:
             self._free.release()
+            with self._lock:
+                self._running = {
+                    name: each for name, each in self._running.items() if each is not worker
+                }
+                if worker.alive and len(self._idle) < MOST_IDLE:
+                    self._idle.append(worker)
 
     def progress(self, page: str) -> float:
         """Return the finished fraction of a page's present computation; 0 if no progress is
@@ -173,45 +163,28 @@ class Workers:
         worker = self._running.get(page)
         return 0.0 if worker is None else worker.progress
 
-    @contextlib.contextmanager
-    def _job(self, page: str) -> Iterator[Worker]:
-        with self._lock:
-            self._idle = [each for each in self._idle if each.alive]
-            worker = self._idle.pop() if self._idle else Worker()
-            if not self._idle:
-                self._idle.append(Worker())  # taken last, as it has to import what it needs
-            if page:
-                if (older := self._running.get(page)) is not None:
-                    older.stop()
-                self._running[page] = worker
-        try:
-            yield worker
-        finally:
-            with self._lock:
-                if self._running.get(page) is worker:
-                    del self._running[page]
-                if not worker.reason and worker.alive and len(self._idle) < MOST_IDLE:
-                    self._idle.append(worker)
+    def _stop(self, page: str) -> None:
+        if (older := self._running.get(page)) is not None:
+            older.stop()
 
 
-def work() -> None:
-    """Do computations until standard input ends; then end the process at once, even during a run."""
-    signal.signal(
-        signal.SIGINT, signal.SIG_IGN
-    )  # Ctrl-C ends the server, and therefore standard input
-    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for all other printed text
-    jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-
-    watch = Watch(answers)
+def work(pipe: Connection) -> None:
+    """Do the computations that arrive at a pipe until it is closed; then end the process at once,
+    even during a run.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, and therefore the pipe
+    jobs: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    watch = Watch(pipe)
 
     def read() -> None:
-        """Read requests for computations, and for their stop, until standard input ends."""
-        for line in sys.stdin.buffer:
-            if line.startswith(b"["):
-                jobs.put(line)
-            else:
-                watch.stopped = int(line)
+        """Read computations, and numbers of those to stop, until the pipe is closed."""
+        with contextlib.suppress(EOFError, OSError):
+            while True:
+                message = pipe.recv()
+                if isinstance(message, int):
+                    watch.stopped = message
+                else:
+                    jobs.put(message)
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
@@ -219,27 +192,19 @@ def work() -> None:
     from bristle_sim.cli.explore import bench
     from bristle_sim.cli.scenario import main_scenario
 
-    kinds: dict[str, Callable[..., Answer]] = {
-        "run": bench.run_of,
-        "download": bench.download,
-    }
     pass_of = main_scenario()
     bench.run_of(pass_of, [], [])  # imports the modules of a run
-    logger = logging.getLogger("bristle_sim.scene.simulate")
+    logger = logging.getLogger("bristle_sim")
     logger.addHandler(watch)
     logger.setLevel(logging.DEBUG)
     while True:
-        watch.number, kind, arguments = json.loads(jobs.get())
-        if kind not in kinds:  # the first search: what it imports takes as long as the start
-            from bristle_sim.cli.explore import searches
-
-            kinds |= searches.KINDS
+        watch.number, kind, arguments = jobs.get()
         try:
-            found = kinds[kind](pass_of, *arguments)
+            function = pkgutil.resolve_name(f"{__package__}.{KINDS[kind]}")
+            found = function(pass_of, *arguments)
         except (ValueError, ArithmeticError, StoppedError) as error:
             found = {"error": " ".join(str(error).split())}
-        answers.write(json.dumps(found).encode() + b"\n")
-        answers.flush()
+        pipe.send(found)
 
 
 class StoppedError(Exception):
@@ -254,11 +219,11 @@ class Watch(logging.Handler):
         stopped: number of the computation that was stopped last.
     """
 
-    def __init__(self, answers: BinaryIO) -> None:
+    def __init__(self, pipe: Connection) -> None:
         super().__init__(logging.DEBUG)
-        self.number = -1
-        self.stopped = -2
-        self._answers = answers
+        self.number = 0
+        self.stopped = -1
+        self._pipe = pipe
         self._reported = 0.0
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -269,7 +234,6 @@ class Watch(logging.Handler):
         """
         if self.stopped == self.number:
             raise StoppedError(STOPPED)
-        if time.monotonic() - self._reported > REPORTED:
+        if record.name.endswith("scene.simulate") and time.monotonic() - self._reported > REPORTED:
             self._reported = time.monotonic()
-            self._answers.write(f"{record.getMessage()}\n".encode())
-            self._answers.flush()
+            self._pipe.send(float(record.getMessage()))
