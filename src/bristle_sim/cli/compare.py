@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bristle_sim.cli.options import Content, add_options, deliver, files_of
-from bristle_sim.cli.output import csv_text, format_value
+from bristle_sim.cli.output import csv_text
 from bristle_sim.cli.scenario import Scenario, Values
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.readable import aligned, amount, readable_unit, relative_text
@@ -68,7 +68,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     heads = ["quantity", "unit", names[0], names[1] + " (second)" * (names[0] == names[1])]
     values = [(one.name, one.unit, one.simulated, two.simulated) for one, two in pairs]
     columns = dict(zip(heads, zip(*values, strict=True), strict=True))
-    keys = [["key (SI)", *names, "as typed"], *(changed or [["no key differs", "", "", ""]])]
+    keys = [["key", *names], *(changed or [["no key differs", "", ""]])]
     quantities = [["quantity", "unit", *names, "difference"], *rows]
     answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
     lines = [verdict, *answers, "", *aligned(keys, 1), "", *aligned(quantities, 2)]
@@ -78,38 +78,31 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 
 def _changes(pass_of: Scenario, one: Values, two: Values) -> list[list[str]]:
-    """Return a table row for each key whose values differ: key, both values in SI units, and both
-    as typed.
-    """
-    rows = []
-    for key, (declared, _) in pass_of.keys().items():
-        values = [one[key], two[key]]
-        if values[0] != values[1]:
-            typed = " and ".join(displayed(declared, value) for value in values)
-            rows.append([key, *map(format_value, values), typed])
-    return rows
+    """Return a table row for each key whose values differ: key, and both values in customary units."""
+    return [
+        [key, displayed(declared, one[key]), displayed(declared, two[key])]
+        for key, (declared, _) in pass_of.keys().items()
+        if one[key] != two[key]
+    ]
 
 
 def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:
     """Return a sentence that says how the second tool's strike differs from the first's."""
     first, second = (each.outcome_in_words for each in reports)
     if "does not strike" in (first, second):
-        words = [
-            f"{name} {'does not strike' if each == 'does not strike' else 'strikes'}"
-            for name, each in zip(names, (first, second), strict=True)
-        ]
-        return f"{words[0]}, {words[1]}."
-    one, two = ({each.name: each for each in report.quantities} for report in reports)
+        one, two = (each if each == "does not strike" else "strikes" for each in (first, second))
+        return f"{names[0]} {one}, {names[1]} {two}."
+    tables = [{each.name: each for each in report.quantities} for report in reports]
     found = []
     for name in VERDICT:
-        a, b = one[name], two[name]
+        a, b = (table[name] for table in tables)
         beside = _difference(a.simulated, b.simulated)
         found.append(
             f"{a.label} {amount(b.simulated or 0.0, b.unit)} instead of {amount(a.simulated or 0.0, a.unit)}"
             + (f" ({beside})" if beside else "")
         )
-    lags = [beside_radial(each["lag_deg_at_contact"].simulated or 0.0) for each in (two, one)]
-    found.append(" instead of ".join(lags))
+    lags = [beside_radial(table["lag_deg_at_contact"].simulated or 0.0) for table in tables]
+    found.append(f"{lags[1]} instead of {lags[0]}")
     ends = (
         f"the tip of both {first}"
         if first == second

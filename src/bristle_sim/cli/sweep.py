@@ -140,17 +140,18 @@ def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) 
 
 
 def _chosen(found: Swept, requested: Sequence[str]) -> list[str]:
-    """Return the names of the quantities to show: the requested ones, or all that vary in the
-    sweep.
+    """Return the names of the quantities to show: those requested, or all that vary in the sweep.
+
+    A quantity without a value at any point is left out.
     """
-    if not found.quantities:
-        return []
-    for name in requested:
+    known = [name for name, each in found.quantities.items() if each.known]
+    for name in requested if known else ():
         if name not in found.quantities:
             raise ValueError(f"--quantity = {name!r}: {likely_key(name, found.quantities)}")
-    changing = [name for name, each in found.quantities.items() if each.changes]
-    first = [name for name in FIRST if name in changing]
-    return list(requested) or list(dict.fromkeys([*first, *changing]))
+    changing = [
+        name for name in (*FIRST, *known) if name in known and found.quantities[name].changes
+    ]
+    return [name for name in requested or dict.fromkeys(changing) if name in known]
 
 
 def table_columns(found: Swept) -> dict[str, list[Any]]:
@@ -225,8 +226,6 @@ def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
 
     rows = [["quantity", "unit", "lowest", "at", "highest", "at"]]
     for quantity in (found.quantities[name] for name in chosen):
-        if not quantity.known:
-            continue
         unit, size = quantity.display
         cells = [quantity.label, unit]
         for extreme in (np.nanargmin, np.nanargmax):

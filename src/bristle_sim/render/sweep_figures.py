@@ -45,10 +45,10 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     Raises:
         ValueError: if no point has a result.
     """
-    known = {name: each for name, each in found.quantities.items() if each.known}
-    if not known:
+    shown = [found.quantities[name] for name in names or found.quantities]
+    shown = [each for each in shown if each.known]
+    if not shown:
         raise ValueError(f"--plot: must have results to draw; {found.failure.ravel()[0]}")
-    shown = [known[name] for name in names if name in known] or [*known.values()]
     panels = [*([] if found.outcome is None else [None]), *shown]
     rows = math.ceil(len(panels) / COLUMNS)
     figure = style.blank_figure(COLUMNS * WIDTH, rows * HEIGHT + 1.0)

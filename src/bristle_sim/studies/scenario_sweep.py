@@ -219,11 +219,11 @@ def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
         for key, axis in found.axes.items()
     )
     points = f"Over {over} ({' x '.join(map(str, found.failure.shape))} points)"
-    described = [found.quantities[name] for name in chosen[:NAMED]]
-    parts = [_change(each, [*found.axes.values()]) for each in described if each.known]
+    axes = [*found.axes.values()]
+    parts = [_change(found.quantities[name], axes) for name in chosen[:NAMED]]
     parts = parts or ["no quantity changes"]
     if found.outcome is not None:
-        parts.append(_outcomes(found.outcome, [*found.axes.values()]))
+        parts.append(_outcomes(found.outcome, axes))
     reasons, numbers = np.unique(found.failure[found.failure != ""].astype(str), return_counts=True)
     parts += [
         f"{number} points lack results: {reason.rstrip('.')}"
