@@ -9,11 +9,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.impacts import ENERGETIC
+from bristle_sim.scene.impacts import ENERGETIC, EnergeticLaw
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.motion import Motion
-from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.rigid import LEAST_SLIP
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_phases import look_up_slip
@@ -171,8 +173,9 @@ def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord
     before = system.state
     touched = pair
     law = system.law_of(pair)
-    if system.recording.lost is None:
-        law = law.known_to(system.recording.error)
+    recording = system.recording
+    if isinstance(law, EnergeticLaw) and recording.lost is None:
+        law = replace(law, accuracy=min(law.accuracy, recording.error))
     if rests or -system.approach(pair) <= system.slow:
         law = ENERGETIC
         touched = replace(pair, restitution=0.0)
@@ -195,36 +198,41 @@ def propagate_error(
     so that slip and approach end together, it is uncertain whether the contact sticks or jams; the
     error is then recorded as unknown.
     """
-    gaps = system.gaps
     recording = system.recording
-    error = system.recording.error
     if recording.lost is not None:
         return
-    earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
-    since = before.time - earlier.time or math.inf
-    touch = gaps.closest(pair, before)
+    error = recording.error
+    touch = system.gaps.closest(pair, before)
     approach, slip = touch.velocity
-    changes = [(b - a) / since for a, b in zip(earlier.rates, before.rates, strict=True)]
-    jumps = [b - a for a, b in zip(before.rates, record.rates_after, strict=True)]
+    earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
+    rates = np.array(before.rates)
+    accelerations = (rates - earlier.rates) / (before.time - earlier.time or math.inf)
+    jumps = np.array(record.rates_after) - rates
     snap = abs(slip - record.velocity_before[1])
     jams = pair.friction * abs(slip) >= abs(approach)
     undecided = snap > (0.0 if jams else error)
+
+    def neighbour(off: float, late: float) -> ClosestApproach:
+        """Return the closest approach of a neighbouring motion at a time after the touch."""
+        moving = rates + off
+        angles = before.angles + (error + late * moving)
+        moving = moving + late * accelerations
+        state = State(before.time + late, tuple(angles.tolist()), tuple(moving.tolist()))
+        return system.gaps.closest(pair, state)
+
     for off in (error, -error):
-        angles = [each + error for each in before.angles]
-        rates = [each + off for each in before.rates]
-        early = gaps.closest(pair, State(before.time, tuple(angles), tuple(rates)))
-        opening = early.velocity[0]
-        late = -early.gap / opening if opening else math.inf
-        angles = [each + late * rate for each, rate in zip(angles, rates, strict=True)]
-        rates = [each + late * change for each, change in zip(rates, changes, strict=True)]
-        other = gaps.closest(pair, State(before.time + late, tuple(angles), tuple(rates)))
+        early = neighbour(off, 0.0)
+        late = -early.gap / (early.velocity[0] or math.inf)
+        other = neighbour(off, late)
         # A jump is proportional to the speed of approach, of a single link also to 1/lever.
-        part = other.velocity[0] / approach if approach else math.inf
+        jump = approach
+        changed = other.velocity[0]
         if system.mechanism.single_link:
-            part *= cross(touch.arm, touch.normal) / cross(other.arm, other.normal)
-        part -= 1.0
+            jump *= cross(other.arm, other.normal)
+            changed *= cross(touch.arm, touch.normal)
+        part = changed / (jump or math.nan) - 1.0
         if undecided or not abs(part) < MOST_CHANGED_APPROACH:
             recording.lost = before.time
             return
-        for jump in jumps:
-            recording.error = max(recording.error, abs(error - jump * late), abs(off + jump * part))
+        changes = [*abs(error - jumps * late), *abs(off + jumps * part)]
+        recording.error = max(recording.error, *map(float, changes))

@@ -34,6 +34,13 @@ from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed
 from bristle_sim.scene.system import System
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason
 
+EXTREMES = {
+    Kind.LARGEST_RETRACTION: LARGEST_RETRACTION,
+    Kind.HIGHEST_SPEED: "highest relative speed",
+    Kind.RETRACTION_LIMIT: "retraction limit",
+}
+"""Names of the events that change no contact."""
+
 
 def first_motion(system: System) -> Motion:
     """Return the motion with which a run starts."""
@@ -55,15 +62,10 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
     kind = event.kind
     subject = event.subject
     active = motion.contacts
-    if kind in (Kind.LARGEST_RETRACTION, Kind.HIGHEST_SPEED):
-        system.event(
-            LARGEST_RETRACTION if kind is Kind.LARGEST_RETRACTION else "highest relative speed",
-            (subject,),
-        )
-        return motion
-    if kind is Kind.RETRACTION_LIMIT:
-        system.stop(StopReason.RETRACTION_LIMIT)
-        system.event("retraction limit", (subject,))
+    if kind in EXTREMES:
+        if kind is Kind.RETRACTION_LIMIT:
+            system.stop(StopReason.RETRACTION_LIMIT)
+        system.event(EXTREMES[kind], (subject,))
         return motion
     if kind in (Kind.TOUCH, Kind.REST):
         try:

@@ -10,7 +10,6 @@ To add a law, write a subclass of :class:`ContactLaw`, let ``contact_law`` in
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -22,7 +21,7 @@ import pymunk
 from bristle_sim.scene.build import SHAPE_MARGIN, Scene
 from bristle_sim.scene.gaps import ContactPoint, contact_at
 from bristle_sim.scene.mechanism import State, Vector, xy
-from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair, components
+from bristle_sim.scene.pairs import ContactPair, WorkpartPair
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
@@ -43,14 +42,6 @@ class ContactLaw(ABC):
     name: ClassVar[str]
     instantaneous: ClassVar[bool] = True
 
-    def known_to(self, error: float) -> ContactLaw:
-        """Return the law adapted to the relative error of the velocities before the impact.
-
-        The base class returns the law unchanged.
-        """
-        del error
-        return self
-
     @abstractmethod
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Apply an instantaneous impact to the scene.
@@ -60,13 +51,13 @@ class ContactLaw(ABC):
         """
 
     def _after(
-        self, pair: ContactPair, before: State, rates: list[float], **entries: Any
+        self, pair: ContactPair, before: State, rates: tuple[float, ...], **entries: Any
     ) -> tuple[State, ContactRecord]:
         """Return the state after an impact, with its new rates, and the contact record.
 
         ``entries`` are the entries of the record that depend on the law.
         """
-        after = State(before.time, before.angles, tuple(rates))
+        after = State(before.time, before.angles, rates)
         missing = dict.fromkeys(("compressive_impulse", "compressive_work", "restitutive_work"))
         return after, ContactRecord(
             obstacle=pair.name,
@@ -92,12 +83,6 @@ class EnergeticLaw(ContactLaw):
     accuracy: float = 0.0
     tangential_compliance: float = 0.0
     name = "energetic"
-
-    def known_to(self, error: float) -> EnergeticLaw:
-        """Return the law with the relative error of the velocities as its accuracy, if the error is
-        smaller than the present accuracy.
-        """
-        return dataclasses.replace(self, accuracy=error) if error < self.accuracy else self
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
         """Apply the impact to the rates of all links.
@@ -128,7 +113,9 @@ class EnergeticLaw(ContactLaw):
         return self._after(
             pair,
             state,
-            [a + push * b + rub * c for a, b, c in zip(state.rates, normal, along, strict=True)],
+            tuple(
+                [a + push * b + rub * c for a, b, c in zip(state.rates, normal, along, strict=True)]
+            ),
             outcome=impact.outcome_name,
             impulse=impulse,
             compressive_impulse=(
@@ -184,77 +171,55 @@ class EngineLaw(ContactLaw):
     name = "engine"
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Let the engine resolve the impact, in a step so short that nothing else happens in it.
+        """Let the engine resolve an impact with the workpart, in a step so short that nothing else
+        happens in it.
+
+        The workpart's shape is larger than the workpart by ``SHAPE_MARGIN``; the link is not
+        enlarged, so the lever of friction is exact. The engine uses the pair's coefficients of
+        restitution and friction as elasticity and friction.
 
         Returns:
             The state after the impact and the contact record, in engine units.
         """
+        assert isinstance(pair, WorkpartPair), "the bar has the energetic law"
         scene.place(state)
         mechanism = scene.mechanism
-        touch = pair.closest(mechanism.poses(state), state.rates)
-        impulse = engine_impact(scene, pair, touch)
-        rates = scene.rates()
-        after = state._replace(rates=tuple(rates))
-        velocity = pair.closest(mechanism.poses(after), after.rates).velocity
+        space = scene.engine.space
+        link = mechanism.links[pair.link]
+        middle = -pair.depth - HALF_PLANE
+        face = ((-HALF_PLANE, middle), (HALF_PLANE, middle))
+        part = pymunk.Segment(space.static_body, *face, HALF_PLANE + SHAPE_MARGIN)
+        tip = pymunk.Circle(
+            scene.links[pair.link], 0.0, xy(link.corners[pair.corner] - link.centre)
+        )
+        tip.friction = tip.elasticity = 1.0
+        part.friction = pair.friction
+        part.elasticity = pair.restitution
+        impulses = [(0.0, 0.0)]
+
+        def note(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+            del space, data
+            impulses.append(arbiter.total_impulse)
+
+        space.add(part, tip)
+        space.on_collision(post_solve=note)
+        before = space.iterations
+        space.iterations = ENGINE_ITERATIONS
+        scene.engine.step_alone(ENGINE_STEP)
+        space.iterations = before
+        space.on_collision()
+        space.remove(part, tip)
+        rub, push = impulses[-1]
+        rates = tuple(scene.rates())
+        after = mechanism.poses(state._replace(rates=rates))
+        velocity = pair.closest(after, rates).velocity
         return self._after(
             pair,
             state,
             rates,
             outcome="rebound" if velocity[0] > 0.0 else "no rebound",
-            impulse=impulse,
-            velocity_before=touch.velocity,
+            # The sign of the engine's impulse depends on the order of the shapes; a contact only pushes.
+            impulse=(push, rub) if push >= 0.0 else (-push, -rub),
+            velocity_before=pair.closest(mechanism.poses(state), state.rates).velocity,
             velocity_after=velocity,
         )
-
-
-def engine_impact(scene: Scene, pair: ContactPair, touch: ClosestApproach) -> Vector:
-    """Let the engine resolve an impact in one short step.
-
-    The scene must have been placed at the state of the impact. The obstacle's shape is larger than
-    the obstacle by ``SHAPE_MARGIN``; the link is not enlarged, so the lever of friction is exact.
-    The engine uses the pair's coefficients of restitution and friction as elasticity and friction.
-
-    Returns:
-        The normal and the tangential impulse on the link, in engine units.
-    """
-    space = scene.engine.space
-    body = scene.links[pair.link]
-    link = scene.mechanism.links[pair.link]
-    corners = [xy(corner - link.centre) for corner in link.corners]
-    obstacle: pymunk.Shape
-    touching: pymunk.Shape
-    if isinstance(pair, BarPair):
-        obstacle = pymunk.Circle(space.static_body, pair.radius + SHAPE_MARGIN, xy(pair.centre))
-        start, end = corners[touch.piece : touch.piece + 2]
-        touching = pymunk.Segment(body, start, end, pair.wire_radius)
-    else:
-        assert isinstance(pair, WorkpartPair), (
-            "the engine's own contacts are those of a link with a fixed obstacle"
-        )
-        middle = -pair.depth - HALF_PLANE
-        face = ((-HALF_PLANE, middle), (HALF_PLANE, middle))
-        obstacle = pymunk.Segment(space.static_body, *face, HALF_PLANE + SHAPE_MARGIN)
-        touching = pymunk.Circle(body, 0.0, corners[pair.corner])
-    for shape in (obstacle, touching):
-        shape.friction = shape.elasticity = 1.0
-    obstacle.friction = pair.friction
-    obstacle.elasticity = pair.restitution
-    impulses: list[pymunk.Vec2d] = []
-
-    def note(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        del space, data
-        impulses.append(arbiter.total_impulse)
-
-    space.add(obstacle, touching)
-    space.on_collision(post_solve=note)
-    before = space.iterations
-    space.iterations = ENGINE_ITERATIONS
-    scene.engine.step_alone(ENGINE_STEP)
-    space.iterations = before
-    space.on_collision()
-    space.remove(obstacle, touching)
-    if not impulses:
-        return (0.0, 0.0)
-    push, rub = components(complex(*impulses[0]), touch.normal)
-    # The sign of the engine's impulse depends on the order of the shapes; a contact only pushes.
-    return (push, rub) if push >= 0.0 else (-push, -rub)

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import cmath
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,38 +160,27 @@ class Mechanism:
         for known, poses in self._known:
             if known is state:
                 return poses
-        poses = []
-        for number, (link, angle, rate) in enumerate(
-            zip(self.links, state.angles, state.rates, strict=True)
-        ):
-            if number % self.wire_links == 0:
-                joint = -1j * cmath.rect(self.hub_radius, self.root_angle(number, state.time))
-                velocity = 1j * self.hub_speed * joint
-            pose = link.pose(joint, velocity, cmath.rect(1.0, angle))
-            poses.append(pose)
-            tip = pose.corners[-1]
-            velocity += 1j * rate * (tip - joint)
-            joint = tip
+        poses = self.poses_at(*state, cmath.exp)
         self._known.append((state, poses))
         return poses
 
-    def walk(
-        self, time: Array, angles: Array, rates: Array
-    ) -> Iterator[tuple[Link, Array, Array, Array, Array]]:
-        """Yield the links of a wire from root to tip with their motion at the given times.
+    def poses_at(self, time: Any, angles: Any, rates: Any, exp: Callable[[Any], Any]) -> list[Any]:
+        """Return the positions and joint velocities of all links from their angles and rates.
 
-        Yields:
-            The link, e^(i angle), the rate, the joint's position and the joint's velocity; arrays
-            over the times.
+        The poses hold numbers, or arrays over times if the arguments are arrays with one row for
+        each link; ``exp`` is the exponential function of these.
         """
-        joint = -1j * self.hub_radius * np.exp(1j * (self.hub_start + self.hub_speed * time))
-        velocity = 1j * self.hub_speed * joint
-        for link, angle, rate in zip(self.links, angles.T, rates.T, strict=True):
-            turn = np.exp(1j * angle)
-            yield link, turn, rate, joint, velocity
-            tip = link.corners[-1] * turn
-            joint = joint + tip
-            velocity = velocity + 1j * rate * tip
+        poses = []
+        for number, (link, angle, rate) in enumerate(zip(self.links, angles, rates, strict=True)):
+            if number % self.wire_links == 0:
+                joint = -1j * self.hub_radius * exp(1j * self.root_angle(number, time))
+                velocity = 1j * self.hub_speed * joint
+            pose = link.pose(joint, velocity, exp(1j * angle))
+            poses.append(pose)
+            tip = pose.corners[-1]
+            velocity = velocity + 1j * rate * (tip - joint)
+            joint = tip
+        return poses
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
         """Return the corners of a wire's centre line from root to tip, and their velocities.
@@ -204,14 +193,14 @@ class Mechanism:
         Returns:
             Positions and velocities, each of shape (n, corners, 2).
         """
-        corners: list[tuple[Array, Array]] = []
-        for link, turn, rate, joint, velocity in self.walk(time, angles, rates):
-            arms = [corner * turn for corner in link.corners[1 if corners else 0 :]]
-            corners += [(joint + arm, velocity + 1j * rate * arm) for arm in arms]
-        places, velocities = (np.stack(each, axis=1) for each in zip(*corners, strict=True))
-        return np.stack([places.real, places.imag], axis=-1), np.stack(
-            [velocities.real, velocities.imag], axis=-1
-        )
+        places: list[Array] = []
+        velocities: list[Array] = []
+        for pose, rate in zip(self.poses_at(time, angles.T, rates.T, np.exp), rates.T, strict=True):
+            for corner in pose.corners[1 if places else 0 :]:
+                places.append(corner)
+                velocities.append(pose.velocity + 1j * rate * (corner - pose.joint))
+        place, velocity = (np.stack(each, axis=1)[..., None] for each in (places, velocities))
+        return place.view(float), velocity.view(float)
 
     def speed_bound(self, state: State) -> float:
         """Return an upper bound of the speed of every point, and of the relative speed of two

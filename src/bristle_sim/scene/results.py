@@ -158,16 +158,15 @@ def energies(
 
     The potential energy is the sum of the energies of belt, hinges and gravity.
     """
-    time, angles, _ = motion
+    time, angles, rates = motion
     hub = mechanism.hub_start + mechanism.hub_speed * time
     kinetic = np.zeros(len(time))
     potential = 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
-    for link, turn, rate, joint, velocity in mechanism.walk(*motion):
-        arm = link.centre * turn
-        kinetic += (
-            0.5 * link.mass * np.abs(velocity + 1j * rate * arm) ** 2 + 0.5 * link.inertia * rate**2
-        )
-        potential += effects.gravity * link.mass * (joint + arm).imag
+    poses = mechanism.poses_at(time, angles.T, rates.T, np.exp)
+    for link, pose, rate in zip(mechanism.links, poses, rates.T, strict=True):
+        velocity = pose.velocity + 1j * rate * pose.to_centre
+        kinetic += 0.5 * link.mass * np.abs(velocity) ** 2 + 0.5 * link.inertia * rate**2
+        potential += effects.gravity * link.mass * (pose.joint + pose.to_centre).imag
     for number, (stiffness, _) in enumerate(effects.hinges[: len(mechanism.links) - 1]):
         potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
     return kinetic, potential
