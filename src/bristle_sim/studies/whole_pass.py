@@ -34,6 +34,7 @@ from bristle_sim.studies.strike_measures import (
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
+from bristle_sim.trajectory.tables import course_in_words
 
 LEAST_ERROR = 1e-8
 """Smallest relative error of the motion that the tolerances assume."""
@@ -86,7 +87,6 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     referred = UNKNOWN
     within = dict[str, float]()
     contact = run.first_contact("workpart")
-    cost = run.cost
     if contact is None:
         require_result(run, settings)
     if with_reference:
@@ -110,23 +110,12 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         within,
     )
     invariants = invariant_rows(tool, settings, run)
-    notable = [f"{event.name} {1e3 * event.time:.4f} ms" for event in run.notable_events]
-    estimate = ""
-    if cost.error_estimate is not None:
-        estimate = f", error estimate {cost.error_estimate:.1e}"
-        if cost.holds_until is not None:
-            estimate += (
-                f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
-            )
-        if cost.error_estimate > settings.accuracy and not run.accuracy_not_reached:
-            estimate += (
-                f", above the requested accuracy {settings.accuracy:g}: request a smaller one"
-            )
-    remarks = [
-        invariants_in_words(invariants),
-        f"events: {', '.join(notable[:8])}{', ...' if len(notable) > 8 else ''}",
-        f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
-    ]
+    remarks = [invariants_in_words(invariants), *course_in_words(run)]
+    above = (run.cost.error_estimate or 0.0) > settings.accuracy
+    if above and not run.accuracy_not_reached:
+        remarks.append(
+            f"the error estimate is above the requested accuracy {settings.accuracy:g}: request a smaller one"
+        )
     if run.stop_reason.gives_up:
         remarks.append(
             f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; the result is valid up to there"

@@ -29,13 +29,7 @@ def summary(run: RecordedRun) -> str:
     If the accuracy was not reached, a further line states it.
     """
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
-    notable = run.notable_events
     contact = run.first_contact("workpart")
-    events = ", ".join(
-        f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
-    )
-    more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
-    cost = run.cost
     strike = "none"
     if contact is not None:
         before, after = (
@@ -43,16 +37,31 @@ def summary(run: RecordedRun) -> str:
         )
         speeds = f"{contact.point or 'tip'} speed {before:.4g} m/s before and {after:.4g} m/s after"
         strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
-    error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    error += "" if cost.holds_until is None else f" up to {1e3 * cost.holds_until:.4g} ms"
-    return (
-        f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms\n"
-        f"strike: {strike}\n"
-        f"events: {events or 'none'}{more}\n"
-        f"stopped: {run.stop_reason}\n"
-        f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}"
-        + (f"\n{run.accuracy_not_reached}" if run.accuracy_not_reached else "")
+    lines = [
+        f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms",
+        f"strike: {strike}",
+        *course_in_words(run),
+        run.accuracy_not_reached,
+    ]
+    return "\n".join(filter(None, lines))
+
+
+def course_in_words(run: RecordedRun) -> list[str]:
+    """Return one line each for events, stop reason and cost of a run."""
+    notable = run.notable_events
+    events = ", ".join(
+        f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
     )
+    more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
+    cost = run.cost
+    error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
+    if cost.holds_until is not None:
+        error += f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
+    return [
+        f"events: {events or 'none'}{more}",
+        f"stopped: {run.stop_reason}",
+        f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}",
+    ]
 
 
 def to_dataframe(run: RecordedRun) -> pd.DataFrame:
