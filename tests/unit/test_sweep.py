@@ -7,6 +7,7 @@ in a file, which all processes append to.
 import errno
 import functools
 import itertools
+import logging
 import math
 import os
 import re
@@ -29,7 +30,7 @@ pytest.importorskip("zarr", reason="needs the extra sweep")
 xarray = pytest.importorskip("xarray", reason="needs the extra sweep")
 joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
-from bristle_sim.studies import sweep_store  # noqa: E402
+from bristle_sim.studies import sweep_store, sweep_workers  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
 from sweep_points import counted, power  # noqa: E402
 
@@ -249,6 +250,49 @@ def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tm
     assert np.array_equal(found["result"], space["x"] ** 2)
     assert (tmp_path / "death0").exists()
     assert sorted(set(calls(tmp_path))) == space["x"].tolist()
+
+
+class StandInClient:
+    """A Dask client whose cluster gets its only worker as soon as the log says that it has none."""
+
+    def __init__(self, threads: ThreadPoolExecutor) -> None:
+        self.threads = threads
+        self.started = threading.Event()
+
+    get_executor = scheduler_info = None
+
+    def ncores(self) -> dict[str, int]:
+        return {"worker": 1} if self.started.is_set() else {}
+
+    def submit(self, *call: Any, pure: bool) -> Any:
+        assert not pure
+        return self.threads.submit(lambda: self.started.wait() and call[0](*call[1:]))
+
+
+def test_a_cluster_without_workers_says_so_and_goes_on_with_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(sweep_workers, "WITHOUT_WORKER", 0.05)
+    lines = list[str]()
+    with ThreadPoolExecutor(2) as threads:
+        client = StandInClient(threads)
+
+        def heard(line: logging.LogRecord) -> bool:
+            lines.append(line.getMessage())
+            client.started.set()
+            return False
+
+        logger = logging.getLogger(sweep_workers.__name__)
+        logger.addFilter(heard)
+        try:
+            found = sweep(power, SPACE, workers=client)
+        finally:
+            logger.removeFilter(heard)
+            client.started.set()
+    assert found.identical(sweep(power, SPACE))
+    (line,) = lines
+    assert re.search(r"no worker for 0\.05 s; the sweep goes on as soon as one is started", line)
+    assert "\n" not in line
 
 
 class Losing(ThreadPoolExecutor):

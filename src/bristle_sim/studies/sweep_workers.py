@@ -4,6 +4,7 @@ Points that are lost with their worker are computed again.
 """
 
 import itertools
+import logging
 import os
 import pickle
 import queue
@@ -30,6 +31,9 @@ from bristle_sim.studies.sweep_point import (
 
 LARGEST_BATCH = 4096  # Largest number of points that are sent to a worker at once
 WAITING = 2  # Number of batches sent for each worker, so that no worker waits for its next batch
+WITHOUT_WORKER = (
+    60.0  # Time without a finished batch after which a cluster is asked for its workers, s
+)
 ATTEMPTS = 3  # Number of workers that a point alone in its batch must lose to count as the cause of the losses
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
@@ -122,7 +126,7 @@ class _Batches:
                 future.add_done_callback(self.finished.put)
             if not self.under_way:
                 return
-            future = self.finished.get()
+            future = self._next_finished()
             batch = self.under_way.pop(future)
             try:
                 outcomes = future.result()
@@ -147,6 +151,16 @@ class _Batches:
         if self.left_over:
             return self.left_over.popleft()
         return list(itertools.islice(self.points, self.size))
+
+    def _next_finished(self) -> Any:
+        """Wait for a batch and return its future; say so while a cluster has no worker."""
+        while True:
+            try:
+                return self.finished.get(timeout=WITHOUT_WORKER)
+            except queue.Empty:
+                if not self._workers():
+                    words = "workers = %s: no worker for %.3g s; the sweep goes on as soon as one is started"
+                    logging.getLogger(__name__).warning(words, self.executor, WITHOUT_WORKER)
 
     def _workers(self) -> int:
         """Return the number of batches that run at the same time; a cluster's may change."""
