@@ -12,6 +12,7 @@ import pymunk
 import pytest
 
 from bristle_sim.contact_space.impulse import contact_space
+from bristle_sim.contact_space.joints import joined
 from bristle_sim.parameters import (
     Bristle,
     Contact,
@@ -120,7 +121,9 @@ def test_a_hinged_rod_met_on_its_axis_cannot_slip_by_an_impulse(slip: float) -> 
         rod.angular_velocity = -1.0
         space.add(rod, pymunk.PivotJoint(space.static_body, rod, (0.0, 0.0), (-0.5, 0.0)))
         along = complex(x, y)
-        found = contact_space(rod, 0.9 * along, 1j * along, surface_velocity=-slip * along)
+        found = contact_space(
+            [rod], 0.9 * along, 1j * along, joined([rod]), surface_velocity=-slip * along
+        )
         assert found.velocity == pytest.approx((-0.9, slip), abs=1e-15)
         impact = energetic_impact(
             found.inverse_mass, found.velocity, 0.3, 0.5, stick_compliance=found.stick_compliance

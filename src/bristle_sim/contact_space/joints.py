@@ -26,7 +26,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,7 +42,7 @@ Entry = tuple[pymunk.Body, float, float, float]
 """A body, and the factors of its v_x, v_y and angular velocity in one row of the Jacobian J."""
 
 Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
-"""Dynamic bodies, the lightest first, and the joints that connect them."""
+"""Dynamic bodies, and the joints that connect them."""
 
 REACHED = 1e-9
 """Distance from a joint's limit up to which the limit counts as reached, over the joint's length or
@@ -103,7 +102,7 @@ def world(body: pymunk.Body, place: tuple[float, float]) -> complex:
 def joined(ends: Iterable[pymunk.Body]) -> Connected:
     """Return all dynamic bodies that joints connect to ``ends``, and these joints.
 
-    The bodies include ``ends``; the lightest is first. Only joints that transmit impulses count.
+    The bodies include ``ends``. Only joints that transmit impulses count.
     """
     waiting = list(ends)
     bodies: dict[pymunk.Body, None] = {}
@@ -118,7 +117,7 @@ def joined(ends: Iterable[pymunk.Body]) -> Connected:
             if joint not in joints and _transmits_impulse(joint):
                 joints.append(joint)
                 waiting += (joint.a, joint.b)
-    return (sorted(bodies, key=attrgetter("mass")) if len(bodies) > 1 else list(bodies)), joints
+    return list(bodies), joints
 
 
 def _transmits_impulse(joint: pymunk.Constraint) -> bool:

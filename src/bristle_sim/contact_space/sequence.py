@@ -165,10 +165,7 @@ class ImpactSequence:
         if joints:
             close_joints(bodies, joints)
         space, impact, rests = self._impact(point, connected)
-        space.apply(
-            (impact.impulse_normal, impact.impulse_tangential),
-            (impact.velocity_normal, impact.velocity_tangential),
-        )
+        space.apply((impact.impulse_normal, impact.impulse_tangential))
         motion.kick(bodies, steps)
         motion.drift(moved, point.time)
         if joints and point.time:
@@ -215,19 +212,16 @@ class ImpactSequence:
             The data of the contact, the impact, and whether the point approaches so slowly that it
             counts as a contact at rest.
         """
-        first, second = point.bodies
         place, normal, _ = point.overlap
-        slide = point.surface_velocity
         released: list[pymunk.Constraint] = []
         while True:
             space = contact_space(
-                first,
+                point.bodies,
                 place,
                 normal,
-                second,
-                surface_velocity=slide,
+                connected,
+                surface_velocity=point.surface_velocity,
                 released=released,
-                connected=connected,
             )
             rests = -space.velocity[0] <= max(self._filter.resting, APPROACH_ROUNDING * point.speed)
             impact = point.pair.impact(

@@ -62,7 +62,7 @@ def resolve_at_once(
         relative_motion(each.bodies, *each.overlap[:2], each.surface_velocity) for each in points
     ]
     before = np.array([velocity for _, velocity in seen])
-    columns, scale = scaled_columns([row for rows, _ in seen for row in rows[::-1]], bodies)
+    columns, scale = scaled_columns([row for rows, _ in seen for row in rows], bodies)
     rigid, _ = joint_basis(bodies, joints)
     contacts = csr_array(columns - rigid @ (rigid.T @ columns))
     transposed = contacts.T

@@ -3,7 +3,7 @@
 The engine looks for contacts only at the ends of steps. It separates two shapes in the direction of
 least overlap. This is the right direction only while their middles have not passed each other. With
 the least widths a and b of the shapes and the approach speed v, a step of length h is short enough
-if v h <= (a + b)/2. A body that moves farther is followed along the straight line of its next step.
+if v h <= (a + b)/2. A dynamic body that moves farther is followed along the straight line of its next step.
 It passes through a shape on this line if it does not touch the shape at the beginning and is beside
 or beyond the shape at the end. Other shapes are treated as at rest; rotation is neglected.
 """
@@ -67,7 +67,8 @@ class TunnellingWatch:
             self._unwatched = UNWATCHED_STEPS - 1
             return
         for body in space.bodies:
-            if not self.warned and body.velocity.length * duration > self._least_extent:
+            fast = body.velocity.length * duration > self._least_extent
+            if fast and body.body_type == pymunk.Body.DYNAMIC and not self.warned:
                 self._follow(space, pairs, body, duration)
 
     def _follow(
@@ -80,36 +81,25 @@ class TunnellingWatch:
             start = shape.cache_bb().center()
             end = start + body.velocity * duration
             for hit in space.segment_query(start, end, 0.5 * extent, shape.filter):
-                if not _collide(shape, hit.shape, pairs):
+                other: Any = hit.shape
+                types = (shape.collision_type, other.collision_type)
+                if types not in pairs and types[::-1] not in pairs:
                     continue
-                longest = 0.5 * (extent + least_extent(hit.shape)) / speed
-                before = hit.shape.point_query(start)
-                after = hit.shape.point_query(end)
+                if other.body is body or shape.sensor or other.sensor:
+                    continue
+                longest = 0.5 * (extent + least_extent(other)) / speed
+                before = other.point_query(start)
+                after = other.point_query(end)
                 beyond = after.distance > 0.5 * extent or after.gradient.dot(hit.normal) < 0.0
                 if before.distance > 0.5 * extent and beyond and duration > longest:
-                    self._warn(duration, speed, longest)
+                    self.warned = True
+                    warnings.warn(
+                        f"duration = {duration:g}: a body at the speed {speed:g} moves by {speed * duration:g} in a step and"
+                        f" passes a shape without a contact; take steps of at most {longest:.3g}",
+                        RuntimeWarning,
+                        stacklevel=4,
+                    )
                     return
-
-    def _warn(self, duration: float, speed: float, longest: float) -> None:
-        self.warned = True
-        warnings.warn(
-            f"duration = {duration:g}: a body at the speed {speed:g} moves by {speed * duration:g} in a step and"
-            f" passes a shape without a contact; take steps of at most {longest:.3g}",
-            RuntimeWarning,
-            stacklevel=5,
-        )
-
-
-def _collide(shape: pymunk.Shape, other: pymunk.Shape, pairs: Collection[Types]) -> bool:
-    """Return whether an overlap of two shapes would be a contact that obeys an impact law."""
-    types = (shape.collision_type, other.collision_type)
-    ends: list[Any] = [shape.body, other.body]
-    return (
-        (types in pairs or types[::-1] in pairs)
-        and ends[0] is not ends[1]
-        and any(each.body_type == pymunk.Body.DYNAMIC for each in ends)
-        and not (shape.sensor or other.sensor)
-    )
 
 
 def least_extent(shape: pymunk.Shape) -> float:
