@@ -67,7 +67,7 @@ def cost_figure(measured: AccuracyCost) -> Figure:
         axes = axes_at(figure, *place, *PANEL)
         note(axes, verdict(target, *compared), (0, 1), (0, 5), xycoords="axes fraction")
         points = [each for each in measured.of(case.name) if math.isfinite(each.error)]
-        _panel(axes, case, points, [each for each in compared if each is not None])
+        _panel(axes, case, points)
     return figure
 
 
@@ -88,11 +88,8 @@ def _shown(point: Point) -> str:
     return f"{time:.0f} ms" if time >= 10.0 else f"{time:.2g} ms"
 
 
-def _panel(axes: Axes, case: Case, points: Sequence[Point], compared: Sequence[Point]) -> None:
-    """Draw the panel of a test case, with its legend and the notes on the case below it.
-
-    Rings mark the points ``compared``.
-    """
+def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
+    """Draw the panel of a test case, with its legend and the notes on the case below it."""
     colours = itertools.cycle(OWN)
     markers = itertools.cycle("osD^vPX*")
     for own in by_method(points):
@@ -107,10 +104,6 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point], compared: Sequence[P
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
     axes.set_title(case.title, loc="left", pad=16.0, fontweight="bold")
-    look = {"color": BLACK, "markerfacecolor": "none", "markersize": 9.0, "zorder": 5}
-    times = [MILLISECONDS * each.cpu_s for each in compared]
-    errors = [max(each.error, LEAST) for each in compared]
-    axes.plot(times, errors, "o", label="compared above", **look)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
     axes.legend(

@@ -14,11 +14,9 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, VERMILION
 from bristle_sim.render.style import (
-    Look,
     add_panel,
     blank_figure,
     draw_zero,
-    note,
     say,
     scale_for,
     styled,
@@ -95,10 +93,8 @@ def _draw_impulse_plane(
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.08), ncols=2, fontsize=9.0)
     bottom, top = axes.get_ylim()
     axes.set_xlim(0.0, 1.03 * end * impulse.factor)
-    # room for names above and below
-    axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))
+    axes.set_ylim(top=top + 0.24 * (top - bottom))  # room for the names of the phases
     _shade_phases(axes, course, impulse.factor)
-    _mark_impulses(axes, course, impulse.factor)
 
 
 def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
@@ -121,21 +117,3 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
                 va="top",
                 fontsize=7.0,
             )
-
-
-def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
-    """Draw dashed lines at the normal impulses where compression ends, slip ends and contact ends.
-
-    The lines are labelled p_c, p_s and p_f. Coincident lines share one label.
-    """
-    marks: dict[float, list[str]] = {}
-    last = float(course.impulse[-1])
-    for name, place in (("p_c", course.compression_end), ("p_s", course.slip_stop), ("p_f", last)):
-        if 0.0 < place < math.inf:
-            near = next((other for other in marks if abs(other - place) < 0.02 * last), place)
-            marks.setdefault(near, []).append(name)
-    foot: Look = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "fontsize": 8.0}
-    for place, names in marks.items():
-        axes.axvline(place * factor, color=BLACK, linewidth=0.7, dashes=(4, 2), zorder=1, ymax=0.8)
-        words = f"${' = '.join(names)}$"
-        note(axes, words, (place * factor, 0.03), (-3.0, 0.0), color=BLACK, **foot)

@@ -28,16 +28,12 @@ class ImpulseCourse:
         normal_velocity: velocity v_n away from the surface, m/s, shape (n,).
         tangential_velocity: velocity v_t along the surface, m/s, shape (n,).
         phases: names of the phases between consecutive impulses, if known.
-        compression_end: normal impulse p_c at the end of compression, N s.
-        slip_stop: normal impulse p_s at which the initial slip stops, N s; inf if it lasts.
     """
 
     impulse: Array
     normal_velocity: Array
     tangential_velocity: Array
     phases: tuple[str, ...] = ()
-    compression_end: float = 0.0
-    slip_stop: float = np.inf
 
 
 def contact_inverse_mass(chain: Chain) -> Array:
@@ -95,8 +91,7 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
     ]
     sums = np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)
     normal_speed, slip_speed = np.array(before)[:, None] + inverse_mass @ sums
-    ends = float(impact.compressive_impulse_normal), float(impact.slip_stop_impulse)
-    return ImpulseCourse(sums[0], normal_speed, slip_speed, impact.phases, *ends)
+    return ImpulseCourse(sums[0], normal_speed, slip_speed, impact.phases)
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
