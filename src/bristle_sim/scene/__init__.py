@@ -16,13 +16,12 @@ In reading order; a file imports only from files below it in this list:
   that close; ``locate``: the instant of an event, by a root finder.
 - ``system``: the state, the plan and the record of a run.
 - ``impacts``, ``compliant``: the contact laws.
-- ``contact``: a sustained contact; ``rigid``, ``spring``: its two kinds.
-- ``extrapolation``: engine steps extrapolated over an interval; ``interval``: the result of an
-  interval, and the forces that contacts exert in it.
+- ``contact``: a sustained contact; ``rigid``, ``spring``: its two kinds; ``spring_force``: the
+  forces of contacts with springs on the bodies.
+- ``extrapolation``: engine steps extrapolated over an interval.
 - ``build``: the pymunk space of a mechanism.
-- ``solver``: joint and contact forces of several links; ``link_solver``: contact forces of a single
-  link.
-- ``gaps``, ``pairs``: the geometry of a link and an obstacle that can touch; ``engine``: calls of
-  the engine.
+- ``solver``: joint and contact forces of several links, contact forces of a single link.
+- ``gaps``: gaps, and how impulses at a contact point change the links' rates; ``pairs``: the geometry
+  of a link and an obstacle that can touch; ``engine``: calls of the engine.
 - ``mechanism``: chains of links.
 """

@@ -8,23 +8,21 @@ same energetic coefficient of restitution.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
 from bristle_sim.scene.build import Scene, damped_interval
-from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, Load
+from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
 from bristle_sim.scene.gaps import contact_at, contact_rows
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, impact_at
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
-from bristle_sim.scene.spring import SpringContact, SpringForce
+from bristle_sim.scene.spring import SpringContact
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
-from bristle_sim.theory.impact import LEAST_COMPLIANCE, energetic_impact
+from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
@@ -100,16 +98,7 @@ class CompliantLaw(ContactLaw):
         point = contact_at(scene.mechanism, state, pair)
         touch = point.touch
         approach = touch.velocity[0]
-        resolved = partial(
-            energetic_impact,
-            np.array(point.inverse_mass),
-            touch.velocity,
-            pair.friction,
-            restitution,
-            pair.restitution_friction,
-            point.stick_compliance,
-        )
-        rigid = resolved()
+        rigid = impact_at(point, touch.velocity, pair)
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
         # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a mean there.
@@ -132,7 +121,7 @@ class CompliantLaw(ContactLaw):
         longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
         (normal, _), (_, tangential) = point.inverse_mass
         if compliance and tangential:
-            rigid = resolved(compliance)
+            rigid = impact_at(point, touch.velocity, pair, compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
         # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
@@ -205,47 +194,3 @@ def rigid_stiffness(
     size = mechanism.wire_links
     inertia = mechanism.constants.products[:size, :size].real.sum()
     return frictionless_stiffness(float(normals.sum() ** 2 / inertia), pair.restitution, duration)
-
-
-class ContactLoad:
-    """The forces of all contacts with springs, and of rigid contacts that act at the same time.
-
-    In the list of totals the rigid contacts come first.
-    """
-
-    symmetric = False  # springs act differently forwards and backwards in time
-
-    def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[SpringContact]) -> None:
-        self._rigid = rigid
-        self._parts: list[Load | SpringForce] = [] if rigid is None else [rigid]
-        self._parts += [SpringForce(scene, spring) for spring in springs]
-
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset impulses and work; return the callback to run before each step."""
-        begun = [each.begin(step) for each in self._parts]
-        calls = [call for call in begun if call is not None]
-        if len(calls) == 1:
-            return calls[0]
-
-        def act() -> None:
-            """Apply the forces of all contacts."""
-            for each in calls:
-                each()
-
-        return act
-
-    def totals(self) -> list[float]:
-        """Return the forces, impulses and work of all contacts in one list, after the last step."""
-        return [number for each in self._parts for number in each.totals()]
-
-    def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether a rigid contact would have to pull."""
-        return self._rigid is not None and self._rigid.fails(totals)
-
-
-def follow_bodies(scene: Scene, state: State, spring: SpringContact) -> None:
-    """Update a spring's inverse mass matrix from the bodies' positions, in stick and in slip at
-    rest, where the tangential force depends on it.
-    """
-    if spring.at_rest or not spring.slip:
-        spring.inverse_mass = contact_at(scene.mechanism, state, spring.pair).inverse_mass

@@ -17,7 +17,6 @@ from bristle_sim.scene.collisions import (
     name_releases,
     resolve_impacts,
 )
-from bristle_sim.scene.compliant import ContactLoad
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.events import (
     SPRING_KINDS,
@@ -30,6 +29,7 @@ from bristle_sim.scene.motion import Motion, motion_events
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import SpringContact
+from bristle_sim.scene.spring_force import ContactLoad
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import System
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason

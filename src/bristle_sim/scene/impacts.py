@@ -23,6 +23,7 @@ from bristle_sim.scene.gaps import ContactPoint, contact_at
 from bristle_sim.scene.mechanism import State, Vector, xy
 from bristle_sim.scene.pairs import ContactPair, WorkpartPair
 from bristle_sim.theory.impact import energetic_impact
+from bristle_sim.theory.impact_phases import Impact
 from bristle_sim.trajectory import ContactRecord
 
 CANCELS = 100.0
@@ -92,15 +93,7 @@ class EnergeticLaw(ContactLaw):
         """
         point = contact_at(scene.mechanism, state, pair)
         before = ending_together(point, self.accuracy)
-        impact = energetic_impact(
-            np.array(point.inverse_mass),
-            before,
-            pair.friction,
-            pair.restitution,
-            pair.restitution_friction,
-            point.stick_compliance,
-            self.tangential_compliance,
-        )
+        impact = impact_at(point, before, pair, self.tangential_compliance)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         velocity = (impact.velocity_normal, impact.velocity_tangential)
         push, rub = impulse
@@ -128,6 +121,21 @@ class EnergeticLaw(ContactLaw):
             velocity_after=velocity,
             phases=impact.phases,
         )
+
+
+def impact_at(
+    point: ContactPoint, velocity: Vector, pair: ContactPair, tangential_compliance: float = 0.0
+) -> Impact:
+    """Return the energetic impact of a contact point at a velocity."""
+    return energetic_impact(
+        np.array(point.inverse_mass),
+        velocity,
+        pair.friction,
+        pair.restitution,
+        pair.restitution_friction,
+        point.stick_compliance,
+        tangential_compliance,
+    )
 
 
 def ending_together(point: ContactPoint, accuracy: float) -> Vector:

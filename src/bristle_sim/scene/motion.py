@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
-from bristle_sim.scene.compliant import follow_bodies
 from bristle_sim.scene.contact import ActiveContact, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult, Load
@@ -20,6 +19,7 @@ from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import SpringContact
+from bristle_sim.scene.spring_force import follow_bodies
 from bristle_sim.scene.system import MOST_GROWTH, System
 from bristle_sim.settings import StopReason
 

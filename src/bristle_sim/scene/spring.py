@@ -1,10 +1,8 @@
-"""Springs and friction of a contact that is simulated over its duration, and the contact's record.
+"""A contact with springs and friction, simulated over its duration: its present phase, its forces
+and its record.
 
-The force law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the
-surface has no tangential spring. Its tangential force in stick, -(K_nt N + v_t/h)/K_tt, stops the
-contact point within each engine step h; N is the normal force, v_t the slip velocity, and K the
-contact-space inverse mass matrix. The shorter the contact, the closer its outcome is to the outcome
-of the impact law with the same tangential compliance eta^2
+The force law is that of :mod:`bristle_sim.theory.contact_spring`. The shorter the contact, the
+closer its outcome is to the outcome of the impact law with the same tangential compliance eta^2
 (:mod:`bristle_sim.theory.impact_compliance`).
 """
 
@@ -12,18 +10,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.gaps import Gaps
-from bristle_sim.scene.mechanism import State, Vector, xy
+from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory, ContactRecord
@@ -280,89 +275,3 @@ class SpringContact(ActiveContact):
         self.stick_force = force
         self.foot = self.law.foot(place, force)
         return abs(force) >= limit * (1.0 - EDGE_ROUNDING)
-
-
-class SpringForce:
-    """The force of a contact's springs on a corner of a link during one phase, with its impulse and
-    work.
-
-    The tangential force T in stick cancels, in each step h, the slip velocity that the step before
-    has left. In slip at rest T cancels the normal velocity v_n instead: T = -(K_nn N + v_n/h)/K_nt,
-    with the normal force N and the contact-space inverse mass matrix K. The force of a step thus
-    belongs to the end of the step before: the second step gives the force at the interval's
-    beginning, and one step after the last would give the force at its end. The errors of both
-    forces are power series in h, so extrapolation removes them.
-
-    Attributes:
-        totals: function that returns the contact's forces, impulses and work, in the order of
-            ``Sums``.
-    """
-
-    def __init__(self, scene: Scene, spring: SpringContact) -> None:
-        pair = spring.pair
-        body = scene.links[pair.link]
-        link = scene.mechanism.links[pair.link]
-        self._spring = spring
-        self._push = pusher(body)
-        corner = link.corners[pair.corner] - link.centre
-        self._place, self._velocity = point_calls(body, xy(corner))
-        self.totals: Callable[[], list[float]] = list
-
-    def begin(self, step: float) -> Callable[[], None]:
-        """Reset impulse and work; return the callback that applies the force of the present phase
-        before each step.
-        """
-        spring = self._spring
-        push = self._push
-        place_of = self._place
-        velocity_of = self._velocity
-        stiffness = spring.present_stiffness
-        height = spring.surface - spring.residual - spring.pair.depth - spring.pair.dent
-        foot = spring.foot
-        ratio = -spring.friction * spring.slip
-        stop = rigidity = 0.0
-        if spring.elastic and not spring.slip:
-            rigidity = spring.law.stiffness / spring.law.compliance
-        at_rest = spring.at_rest
-        normal_gain, coupling = spring.inverse_mass[0]
-        if at_rest:
-            ratio = -normal_gain / coupling
-            stop = 1.0 / (coupling * step)
-        elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
-            ratio = -coupling / tangential
-            stop = 1.0 / (tangential * step)
-        pushes = loss = heat = 0.0
-        rubs: list[float] = []
-
-        def friction(normal: float, x: float, u: float, v: float) -> float:
-            """Return the tangential force at the place x and the velocity (u, v)."""
-            return ratio * normal - stop * (v if at_rest else u) - rigidity * (x - foot)
-
-        def act() -> None:
-            """Apply the force of this step, and add its impulse and work to the totals."""
-            nonlocal pushes, loss, heat
-            place = place_of()
-            velocity = velocity_of()
-            x = place.x
-            y = place.y
-            u = velocity.x
-            v = velocity.y
-            normal = stiffness * (height - y)
-            along = friction(normal, x, u, v)
-            push((along, normal), (x, y))
-            pushes += normal
-            loss += normal * v
-            heat += along * u
-            rubs.append(along)
-
-        def read() -> list[float]:
-            """Return the contact's forces, impulses and work, in the order of ``Sums``."""
-            place = place_of()
-            velocity = velocity_of()
-            normal = stiffness * (height - place.y)
-            along = friction(normal, place.x, velocity.x, velocity.y)
-            impulse = (step * pushes, step * sum(rubs))
-            return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
-
-        self.totals = read
-        return act

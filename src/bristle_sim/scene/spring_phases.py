@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 
-from bristle_sim.scene.compliant import CompliantLaw, ContactLoad, follow_bodies
+from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact import Outcome, Sums, sums_of
 from bristle_sim.scene.events import Kind
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import SpringContact
+from bristle_sim.scene.spring_force import ContactLoad, follow_bodies
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = 1e-5

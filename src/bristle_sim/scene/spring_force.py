@@ -1,0 +1,148 @@
+"""The forces of contacts with springs on the bodies of the engine, step by step.
+
+The force law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the
+surface has no tangential spring. Its tangential force in stick, -(K_nt N + v_t/h)/K_tt, stops the
+contact point within each engine step h; N is the normal force, v_t the slip velocity, and K the
+contact-space inverse mass matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.engine import point_calls, pusher
+from bristle_sim.scene.extrapolation import Load
+from bristle_sim.scene.gaps import contact_at
+from bristle_sim.scene.mechanism import State, xy
+from bristle_sim.scene.spring import SpringContact
+
+
+class SpringForce:
+    """The force of a contact's springs on a corner of a link during one phase, with its impulse and
+    work.
+
+    The tangential force T in stick cancels, in each step h, the slip velocity that the step before
+    has left. In slip at rest T cancels the normal velocity v_n instead: T = -(K_nn N + v_n/h)/K_nt,
+    with the normal force N and the contact-space inverse mass matrix K. The force of a step thus
+    belongs to the end of the step before: the second step gives the force at the interval's
+    beginning, and one step after the last would give the force at its end. The errors of both
+    forces are power series in h, so extrapolation removes them.
+
+    Attributes:
+        totals: function that returns the contact's forces, impulses and work, in the order of
+            ``Sums``.
+    """
+
+    def __init__(self, scene: Scene, spring: SpringContact) -> None:
+        pair = spring.pair
+        body = scene.links[pair.link]
+        link = scene.mechanism.links[pair.link]
+        self._spring = spring
+        self._push = pusher(body)
+        corner = link.corners[pair.corner] - link.centre
+        self._place, self._velocity = point_calls(body, xy(corner))
+        self.totals: Callable[[], list[float]] = list
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset impulse and work; return the callback that applies the force of the present phase
+        before each step.
+        """
+        spring = self._spring
+        push = self._push
+        place_of = self._place
+        velocity_of = self._velocity
+        stiffness = spring.present_stiffness
+        height = spring.surface - spring.residual - spring.pair.depth - spring.pair.dent
+        foot = spring.foot
+        ratio = -spring.friction * spring.slip
+        stop = rigidity = 0.0
+        if spring.elastic and not spring.slip:
+            rigidity = spring.law.stiffness / spring.law.compliance
+        at_rest = spring.at_rest
+        normal_gain, coupling = spring.inverse_mass[0]
+        if at_rest:
+            ratio = -normal_gain / coupling
+            stop = 1.0 / (coupling * step)
+        elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
+            ratio = -coupling / tangential
+            stop = 1.0 / (tangential * step)
+        pushes = loss = heat = 0.0
+        rubs: list[float] = []
+
+        def friction(normal: float, x: float, u: float, v: float) -> float:
+            """Return the tangential force at the place x and the velocity (u, v)."""
+            return ratio * normal - stop * (v if at_rest else u) - rigidity * (x - foot)
+
+        def act() -> None:
+            """Apply the force of this step, and add its impulse and work to the totals."""
+            nonlocal pushes, loss, heat
+            place = place_of()
+            velocity = velocity_of()
+            x = place.x
+            y = place.y
+            u = velocity.x
+            v = velocity.y
+            normal = stiffness * (height - y)
+            along = friction(normal, x, u, v)
+            push((along, normal), (x, y))
+            pushes += normal
+            loss += normal * v
+            heat += along * u
+            rubs.append(along)
+
+        def read() -> list[float]:
+            """Return the contact's forces, impulses and work, in the order of ``Sums``."""
+            place = place_of()
+            velocity = velocity_of()
+            normal = stiffness * (height - place.y)
+            along = friction(normal, place.x, velocity.x, velocity.y)
+            impulse = (step * pushes, step * sum(rubs))
+            return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
+
+        self.totals = read
+        return act
+
+
+class ContactLoad:
+    """The forces of all contacts with springs, and of rigid contacts that act at the same time.
+
+    In the list of totals the rigid contacts come first.
+    """
+
+    symmetric = False  # springs act differently forwards and backwards in time
+
+    def __init__(self, scene: Scene, rigid: Load | None, springs: Sequence[SpringContact]) -> None:
+        self._rigid = rigid
+        self._parts: list[Load | SpringForce] = [] if rigid is None else [rigid]
+        self._parts += [SpringForce(scene, spring) for spring in springs]
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset impulses and work; return the callback to run before each step."""
+        begun = [each.begin(step) for each in self._parts]
+        calls = [call for call in begun if call is not None]
+        if len(calls) == 1:
+            return calls[0]
+
+        def act() -> None:
+            """Apply the forces of all contacts."""
+            for each in calls:
+                each()
+
+        return act
+
+    def totals(self) -> list[float]:
+        """Return the forces, impulses and work of all contacts in one list, after the last step."""
+        return [number for each in self._parts for number in each.totals()]
+
+    def fails(self, totals: Sequence[float]) -> bool:
+        """Return whether a rigid contact would have to pull."""
+        return self._rigid is not None and self._rigid.fails(totals)
+
+
+def follow_bodies(scene: Scene, state: State, spring: SpringContact) -> None:
+    """Update a spring's inverse mass matrix from the bodies' positions, in stick and in slip at
+    rest, where the tangential force depends on it.
+    """
+    if spring.at_rest or not spring.slip:
+        spring.inverse_mass = contact_at(scene.mechanism, state, spring.pair).inverse_mass
