@@ -79,43 +79,6 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
     return interval, first
 
 
-def _touch(
-    system: System,
-    interval: Interval,
-    pair: ContactPair,
-    sustained: Sequence[ContactPair],
-    separating: Sequence[ContactPair],
-) -> Found | None:
-    """Return the interval shortened to a pair's first touch, and the touch; or shortened to a near
-    miss, and None. If the gap stays open, or stays closed, a single None is returned.
-
-    Args:
-        system: the run.
-        interval: the interval.
-        pair: the pair.
-        sustained: pairs in sustained contact.
-        separating: released pairs, whose gaps must first open.
-    """
-    gaps = system.gaps
-    if pair in separating:
-        soon = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
-        if interval.length > soon:
-            touch = gaps.closest(pair, interval.at(soon))
-            if touch.velocity[0] > 0.0 and touch.gap > GAP_ROUNDING + polynomial_error(
-                system, interval
-            ):
-                return find_touch(system, interval, pair, soon / interval.length)
-        return _search_hop(system, interval, pair, soon)
-    times = (0.0, 0.5 * interval.length, interval.length)
-    rests = sustained and all(
-        abs(gaps.gap(pair, interval.at(time))) <= GAP_ROUNDING for time in times
-    )
-    behind = system.mechanism.wire_links > 1 and system.behind_joint(
-        pair, [*separating, *sustained], interval.end.state
-    )
-    return None if rests or behind else find_touch(system, interval, pair)
-
-
 def _search_hop(
     system: System, interval: Interval, pair: ContactPair, longest: float
 ) -> Found | None:
@@ -167,57 +130,79 @@ def _search_hop(
     return interval.up_to(integrate_to(time)), rest
 
 
-def find_touch(
-    system: System, interval: Interval, pair: ContactPair, begin: float = 0.0
+def _touch(
+    system: System,
+    interval: Interval,
+    pair: ContactPair,
+    sustained: Sequence[ContactPair],
+    separating: Sequence[ContactPair],
 ) -> Found | None:
-    """Return the interval shortened to its first touch, and the touch; or shortened to a near miss,
-    and None.
+    """Return the interval shortened to a pair's first touch, and the touch; or shortened to a near
+    miss, and None. If the gap stays open, or stays closed, a single None is returned.
 
-    If the gap stays open, a single None is returned. The search begins at the fraction ``begin`` of
-    the interval, where the gap is open.
+    Args:
+        system: the run.
+        interval: the interval.
+        pair: the pair.
+        sustained: pairs in sustained contact.
+        separating: released pairs, whose gaps must first open.
     """
-    gaps = system.gaps
-    integrate_to = interval.integrate_to
     length = interval.length
-    closest = partial(gaps.closest, pair)
-    fraction = first_touch(
-        gaps.mechanism, closest, interval, polynomial_error(system, interval), begin
-    )
+    closest = partial(system.gaps.closest, pair)
+    error = polynomial_error(system, interval)
+    begin = 0.0
+    if pair in separating:
+        begin = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
+        opening = length > begin and closest(interval.at(begin))
+        if not (opening and opening.velocity[0] > 0.0 and opening.gap > GAP_ROUNDING + error):
+            return _search_hop(system, interval, pair, begin)
+    else:
+        times = (0.0, 0.5 * length, length)
+        rests = sustained and all(
+            abs(closest(interval.at(time)).gap) <= GAP_ROUNDING for time in times
+        )
+        if rests or system.behind_joint(pair, [*separating, *sustained], interval.end.state):
+            return None
+    fraction = first_touch(system.mechanism, closest, interval, error, begin / length)
     if fraction is None:
         return None
-    first = begin * length
     last = fraction * length
     tolerance = min(max(LOCATED_GAP * system.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
-    closed = settle(system, lambda at: closest(at.state).gap, interval, first, last, tolerance)
+    closed = settle(system, lambda at: closest(at.state).gap, interval, begin, last, tolerance)
     if closed is not None and closest(closed.state).velocity[0] <= 0.0:
         # If the gap were opening at this zero, there would be an earlier zero.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
-    reached = interval.end if fraction == 1.0 else integrate_to(last)
-    touch = closest(reached.state)
-    at_end = touch.gap
-    if at_end > 0.0 and touch.velocity[0] > 0.0:
+    return _integrated_touch(interval, pair, closest, begin, last)
+
+
+def _integrated_touch(
+    interval: Interval,
+    pair: ContactPair,
+    closest: Callable[[State], ClosestApproach],
+    begin: float,
+    last: float,
+) -> Found:
+    """Return the interval shortened to a touch between two times that the polynomial does not
+    locate, and the touch; or shortened to an instant before a minimum of the gap, and None.
+    """
+    integrate_to = interval.integrate_to
+    touch = closest(integrate_to(last).state)
+    while touch.gap > 0.0 and touch.velocity[0] > 0.0 and last - begin > SHORTEST_INTERVAL:
         # The gap opens again, so it is closed or least before.
-        fastest = 1.5 * gaps.mechanism.speed_bound(interval.start)
-
-        def at_instant(span: float, gap: float) -> bool:
-            return gap > fastest * span or max(1.0, fastest) * span <= SHORTEST_INTERVAL
-
-        last, at_end = _least(
-            lambda time: closest(integrate_to(time).state), first, last, at_end, at_instant
-        )
-    if at_end > 0.0:
-        return interval.up_to(reached), None
-    if at_end < 0.0:
-        at_start = max(gaps.gap(pair, interval.at(first)), 1e-300)
+        last = 0.5 * (begin + last)
+        touch = closest(integrate_to(last).state)
+    if touch.gap < 0.0:
+        at_begin = max(closest(interval.at(begin)).gap, 1e-300)
         last = locate(
             lambda time: closest(integrate_to(time).state).gap,
-            first,
+            begin,
             last,
-            at_start,
-            at_end,
+            at_begin,
+            touch.gap,
             GAP_TOLERANCE,
         )
-    return interval.up_to(integrate_to(last)), Happening(Kind.TOUCH, pair)
+    reached = interval.up_to(integrate_to(last))
+    return reached, None if touch.gap > 0.0 else Happening(Kind.TOUCH, pair)
 
 
 def polynomial_error(system: System, interval: Interval) -> float:
@@ -265,39 +250,18 @@ def first_touch(
         if following.gap < 0.0:
             return ahead
         if touch.velocity[0] < 0.0 < following.velocity[0]:
-            dip, least = _least(
-                lambda part: closest(interval.at(part * length)),
-                fraction,
-                ahead,
-                following.gap,
-                lambda span, _: span < 2.0**-MOST_HALVINGS,
+            left, right = fraction, ahead
+            while right - left >= 2.0**-MOST_HALVINGS:
+                middle = 0.5 * (left + right)
+                inside = closest(interval.at(middle * length))
+                if inside.gap < 0.0:
+                    return middle
+                left, right = (middle, right) if inside.velocity[0] < 0.0 else (left, middle)
+            near = closest(interval.at(right * length)).gap < margin * min(
+                1.0, NEAR_START * right**2
             )
-            near = least < margin * min(1.0, NEAR_START * dip**2)
-            if least < 0.0 or (near and dip * max(length, bound) > SHORTEST_ADVANCE):
-                return dip
+            if near and right * max(length, bound) > SHORTEST_ADVANCE:
+                return right
         fraction = ahead
         touch = following
     return None
-
-
-def _least(
-    closest: Callable[[float], ClosestApproach],
-    left: float,
-    right: float,
-    at_right: float,
-    enough: Callable[[float, float], bool],
-) -> tuple[float, float]:
-    """Return the position of the gap's minimum and the gap there, by bisection on the gap's rate.
-
-    The gap falls at the left end and rises at the right end. A closed gap ends the search at once.
-    The search also ends when the function ``enough`` of the bracket's length and the gap is true.
-    """
-    value = at_right
-    while not enough(right - left, value):
-        middle = 0.5 * (left + right)
-        touch = closest(middle)
-        value = touch.gap
-        if value < 0.0:
-            return middle, value
-        left, right = (middle, right) if touch.velocity[0] < 0.0 else (left, middle)
-    return right, closest(right).gap
