@@ -41,7 +41,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         pass_of.values_of(pass_of.assignments_from(path, name)[0])
         for name, path in (("A.toml", options.first), ("B.toml", options.second))
     ]
-    reports = [pass_of.answer(values) for values in tools]
+    reports = [pass_of.run(**pass_of.built(values)) for values in tools]
     changed = _changes(pass_of, *tools)
     seconds = {each.name: each for each in reports[1].quantities}
     pairs = [

@@ -65,7 +65,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 run_sweep(scenario, options, targets)
             else:
                 try:
-                    report = scenario.answer(values)
+                    report = scenario.run(**scenario.built(values))
                 except Unfinished as interruption:
                     report = interruption.report
                     status = INTERRUPTED

@@ -204,10 +204,9 @@ class Scenario:
                 idle.append(f"{path}: {key} = {text} has no effect on {self.name}")
         return assignments, idle
 
-    def answer(self, values: Values) -> Report:
-        """Run the scenario with the given parameter values, and return its report."""
-        built = {name: build_parameters(kind, values) for name, kind in self.arguments.items()}
-        return self.run(**built)
+    def built(self, values: Values) -> dict[str, Any]:
+        """Return the arguments of ``run``, built from the given parameter values."""
+        return {name: build_parameters(kind, values) for name, kind in self.arguments.items()}
 
     def parameter_rows(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
         """Return declaration, value and default of every parameter, as rows of a table."""

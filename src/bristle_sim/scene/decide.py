@@ -68,8 +68,13 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         system.event(EXTREMES[kind], (subject,))
         return motion
     if kind in (Kind.TOUCH, Kind.REST):
+        pair = system.at_joint(subject)
+        name = _touch_name(system, pair)
+        rests = kind is Kind.REST
         try:
-            motion = _after_touch(system, motion, system.at_joint(subject), kind is Kind.REST)
+            motion = _contact_begun(system, motion, pair, name, rests) or resolve_impacts(
+                system, motion, pair, name, rests=rests
+            )
         except ValueError as error:
             if not system.recording.contacts:
                 raise
@@ -176,20 +181,21 @@ def _lock(system: System, contacts: list[ActiveContact]) -> None:
     system.stop(StopReason.NO_GRIP)
 
 
-def _after_touch(system: System, motion: Motion, pair: ContactPair, rests: bool) -> Motion:
-    """Return the motion after a touch, which begins a contact with a spring or a contact at rest,
-    or is an impact.
+def _contact_begun(
+    system: System, motion: Motion, pair: ContactPair, name: str, rests: bool
+) -> Motion | None:
+    """Return the motion after a touch that begins a contact with a spring or a contact at rest;
+    None if the touch is an impact.
     """
-    name = _touch_name(system, pair)
     began = None
     if all(contact.pair is not pair for contact in motion.contacts):
         if rests and not system.mechanism.single_link:
             # Coupled links would excite each other's small rebounds for ever: all touching links come to rest together.
             began = ActiveContact(pair)
-        elif -system.approach(pair) > system.slow:
+        elif not system.law_of(pair).instantaneous and -system.approach(pair) > system.slow:
             began = begin_spring(system, motion, pair)
     if began is None:
-        return resolve_impacts(system, motion, pair, name, rests=rests)
+        return None
     system.event(name, system.wires_of(pair), lasts=isinstance(began, SpringContact))
     separating = tuple(other for other in motion.separating if other is not pair)
     return Motion((*motion.contacts, began), separating)
