@@ -154,6 +154,21 @@ class TestInvariants:
         assert {each.ok for each in report.quantities} == {None}
         assert sum(each.reference is not None for each in report.quantities) == 3
 
+    def test_a_contact_that_is_cut_off_in_restitution_has_no_restitution_to_judge(self) -> None:
+        """Two links in line hardly leave a surface on which the tip sticks: their contact outlasts its limit."""
+        tool = Tool(
+            bristle=Bristle(links=2),
+            bar=None,
+            workpart=Workpart(friction=0.6, restitution=1.0),
+            contact=Contact("compliant"),
+        )
+        settings = Settings(accuracy=1e-3)
+        run = simulate(tool, settings, stop_after="workpart release")
+        strike = run.first_contact("workpart")
+        assert strike is not None
+        assert strike.outcome == "no rebound"
+        assert [row.name for row in invariant_rows(tool, settings, run) if row.ok is False] == []
+
 
 class TestGivenUp:
     def test_a_strike_before_the_run_is_given_up_is_reported(self) -> None:

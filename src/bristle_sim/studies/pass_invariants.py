@@ -197,8 +197,8 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
     errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / (pushed or 1.0)
     first = (strike.compressive_work or (0.0, 0.0))[0]
-    if strike.outcome != "stiction" and first and strike.restitutive_work is not None:
-        # stiction leaves no restitution
+    if strike.outcome == "rebound" and first and strike.restitutive_work is not None:
+        # stiction leaves no restitution, and a contact that outlasts its limit is cut off in it
         second = strike.restitutive_work[0]
         errors["restitution_work_error"] = abs(second + part.restitution**2 * first) / abs(first)
     return errors
