@@ -7,13 +7,13 @@ of other packages nor global variables that a program sets as it runs. joblib's 
 bound values.
 """
 
-import copyreg
 import functools
 import linecache
 import sys
 import sysconfig
 from collections.abc import Callable
 from pathlib import Path
+from pickle import PicklingError
 from types import CellType, FunctionType
 from typing import Any
 
@@ -79,19 +79,18 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
             parts = set(value)
         elif isinstance(value, functools._lru_cache_wrapper):
             parts = [value.__wrapped__]
-        elif isinstance(value, np.ufunc) and getattr(np, value.__name__, None) is not value:
-            parts = self.name_alone(value, f"the ufunc {value.__name__!r}")
-        elif type(value) in self.dispatch or type(value) in copyreg.dispatch_table:
-            return NotImplemented
         else:
-            try:
-                value.__reduce_ex__(3)
-            except TypeError:  # a lock or a generator, which pickle cannot save
-                words = f"an object of the type {type(value).__qualname__!r}"
-                parts = self.name_alone(value, words)
-            else:
-                return NotImplemented
+            return NotImplemented
         return tuple, (), parts
+
+    def save(self, value: Any) -> None:
+        """Write a value to the hash; one that pickle cannot save, such as a lock, by its name."""
+        try:
+            super().save(value)
+        except (TypeError, PicklingError):
+            kind = f"an object of the type {type(value).__qualname__!r}"
+            words = f"the ufunc {value.__name__!r}" if isinstance(value, np.ufunc) else kind
+            super().save(self.name_alone(value, words))
 
     def source(self, value: Any, file: str) -> Any:
         """Return the name of a function or class, its position in the source text, and the text
