@@ -13,6 +13,7 @@ import pytest
 
 import bristle_sim as bs
 from bristle_sim.arrays import Array
+from bristle_sim.passes import flight
 from bristle_sim.passes.result import QUANTITIES
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import Trajectory
@@ -160,6 +161,21 @@ TOUCHES_AGAIN_WITH_ITS_END = {
 }  # fmt: skip
 
 
+TAPS_BEFORE_ITS_END_IS_REACHED = {
+    "hub_speed": 562.578, "bristle_length": 0.0470687, "hub_radius": 0.0452547, "wire_diameter": 0.000579076,
+    "belt_stiffness": 0.292786, "friction": 0.52377, "restitution": 0.731936, "bar_friction": 0.37867, "bar_restitution": 0.237908,
+    "bar_radius": 0.00100395, "bar_horizontal": 0.0741963, "bar_vertical": 0.043437, "penetration": 0.00497583,
+}  # fmt: skip
+
+
+def test_taps_die_out_just_before_the_bar_reaches_the_wires_end():
+    """The wire lies on its flank for 2e-4 rad before its end throws it off; the independent solution taps ten times."""
+    many = bs.ensemble(**TAPS_BEFORE_ITS_END_IS_REACHED)
+    tool = bs.Tool().replace(**TAPS_BEFORE_ITS_END_IS_REACHED)
+    run = bs.simulate_reference(tool, accuracy=1e-11, stop_after="strike")
+    assert many.contact_time == pytest.approx(measured(tool, run)["contact_time"][0], rel=1e-9)
+
+
 @pytest.mark.parametrize(
     "values", [FOLDS_FOR_A_MOMENT, STRIKES_FOR_A_MOMENT_ON_THE_BAR, TOUCHES_AGAIN_WITH_ITS_END]
 )
@@ -203,6 +219,18 @@ def test_the_strike_of_a_very_light_wire_is_located_to_rounding():
     values = {key: float(each[11927]) for key, each in thin_bars(12000, 73, 3).items()}
     coarse, fine = (bs.ensemble(accuracy=accuracy, **values) for accuracy in (1e-8, 1e-10))
     assert coarse.lag_at_contact == pytest.approx(float(fine.lag_at_contact), abs=1e-9)
+
+
+def test_the_last_of_many_taps_does_not_depend_on_the_length_of_the_steps(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """It comes 0.004 rad after the tap before it, and the wire opens the gap again 0.008 rad later."""
+    values = {key: float(each[3542]) for key, each in random_tools(12000, 71).items()}
+    lags = []
+    for bend in (0.1, 0.5, 1.0):
+        monkeypatch.setattr(flight, "BEND", bend)
+        lags.append(float(bs.ensemble(**values).lag_at_contact))
+    assert lags == pytest.approx([0.57502032739] * 3, abs=1e-10)
 
 
 @pytest.mark.parametrize(("number", "compliance"), [(72, 0.0284), (97, 1.62)])

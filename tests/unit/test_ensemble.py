@@ -74,12 +74,13 @@ def test_the_series_solves_the_equation_of_motion(gravity: float):
     """Its second derivative at the end of a step is that of the equation, to the tolerance of the step's last terms."""
     request = request_of(TOOL, {"belt_damping_ratio": [0.0, 0.5], "gravity": gravity}, 1.0)
     passes, _ = passes_of(request, np.arange(2))
-    passes.angle = np.array([-0.7, -0.3])
-    passes.rate = np.array([1.0, -2.0])
+    passes.angle[:] = [-0.7, -0.3]
+    passes.rate[:] = [1.0, -2.0]
     course = course_of(passes)
     step = step_length(passes, course, 1e-11)
-    angle, _ = course.at(step)
-    rate, found = course.turning_at(step)
+    angle, rate = course.at(step)
+    degrees = np.arange(1, len(course.rate))[:, np.newaxis]
+    found = (degrees * course.rate[1:] * step ** (degrees - 1)).sum(axis=0)
     expected = free_acceleration(passes, passes.hub_angle + step, angle, rate)
     np.testing.assert_allclose(found, expected, rtol=1e-8)
 
@@ -89,7 +90,7 @@ def test_the_series_solves_the_equation_of_motion(gravity: float):
 def test_a_root_beside_a_singularity_is_found(width: float, slopes: bool):
     """1 - a/(w - x)^(3/2) is almost constant up to its root, whose distance from the end w is a^(2/3).
 
-    The error is the last step's product with its secant, 1e-14 w^2, over that distance, at least 1e-6 w.
+    The error is 1e-13 w over that distance, which is at least 1e-6 w.
     """
     a = np.array([1e-9, 1e-3]) * width**1.5
 
@@ -100,7 +101,7 @@ def test_a_root_beside_a_singularity_is_found(width: float, slopes: bool):
     low = np.zeros(2)
     high = np.full(2, width * (1.0 - 1e-12))
     found = root(lambda _: function, (low, high), function(high)[0], low + 1e-15 * width)
-    np.testing.assert_allclose(width - found, a ** (2.0 / 3.0), rtol=0.0, atol=1e-8 * width)
+    np.testing.assert_allclose(width - found, a ** (2.0 / 3.0), rtol=0.0, atol=1e-7 * width)
 
 
 def test_friction_locks_a_wire_on_the_bar():

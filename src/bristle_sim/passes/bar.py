@@ -21,7 +21,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.motion import Pose, free_acceleration, pose_of, sine_and_cosine
-from bristle_sim.passes.state import Chosen, Passes, Place
+from bristle_sim.passes.state import Chosen, Passes
 
 
 def half_turn(angle: Array) -> Array:
@@ -89,7 +89,7 @@ class Closest(NamedTuple):
     along: Array
 
 
-def closest(passes: Passes | Place, pose: Pose) -> Closest:
+def closest(passes: Passes, pose: Pose) -> Closest:
     """Return the closest approach of wire and bar; the arrays of the pose have the shape (...,
     passes).
     """

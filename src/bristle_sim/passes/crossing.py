@@ -9,15 +9,16 @@ from collections.abc import Callable
 import numpy as np
 
 from bristle_sim.arrays import Array
+from bristle_sim.passes.motion import Function
 from bristle_sim.passes.state import Chosen
 
 MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
 
-LAST_ERROR = 1e-14
-"""Largest product of the last step and the secant before it, over the square of the bracket's width.
+ROOT_ERROR = 1e-13
+"""Largest error of a root, over its bracket.
 
-The error that remains is about this product over the bracket's width, as the function is smooth
-over the bracket."""
+It is the product of the last step and the secant before it, over the square of the bracket's width,
+as the function is smooth over the bracket."""
 
 LAST_MOVE = 1e-3
 """Longest last step, and longest secant before it, over the bracket's width.
@@ -28,16 +29,13 @@ ROOT_ROUNDING = 5e-16
 """Half-width of the narrowest bracket of a root, rad: the rounding error of hub angles of some
 radians."""
 
-Function = Callable[[Array], tuple[Array, Array | None]]
-"""Function that returns its values at given arguments, and its derivatives there, or None if it has
-no derivatives."""
-
 
 def root(
     function_of: Callable[[Chosen], Function],
     ends: tuple[Array, Array],
     high_value: Array,
     start: Array,
+    error: float = ROOT_ERROR,
 ) -> Array:
     """Return a root in each bracket.
 
@@ -51,6 +49,7 @@ def root(
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.
         start: estimates of the roots.
+        error: largest error of a root, over its bracket.
     """
     found = start.copy()
     going = np.ones(start.size, dtype=bool)
@@ -83,7 +82,7 @@ def root(
             place = place - step
             found[numbers[going]] = np.clip(place, low, high)[going]
             move = np.abs(step)
-            close = (move * secant < LAST_ERROR * width**2) & (
+            close = (move * secant < error * width**2) & (
                 np.maximum(move, secant) < LAST_MOVE * width
             )
             going &= ~close & (high - low > 2.0 * ROOT_ROUNDING) & (value != 0.0)

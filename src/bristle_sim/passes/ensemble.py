@@ -7,22 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import Request, passes_of, request_of
 from bristle_sim.passes.result import QUANTITIES, Ensemble
-from bristle_sim.passes.run import (
+from bristle_sim.passes.run import advance, touch_bar
+from bristle_sim.passes.state import (
+    BAR,
     FLIES,
     FOLDS,
     LOCKED,
     MISSED,
-    STRUCK,
     TOO_MANY,
-    TOUCHES,
-    advance,
-    touch_bar,
+    WORKPART,
+    Passes,
+    joined,
 )
-from bristle_sim.passes.state import Chosen, Passes
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED, strike
 from bristle_sim.settings import Settings
 
@@ -91,29 +90,28 @@ def ensemble(
     checked = Settings(accuracy=accuracy, hub_turn=hub_turn)
     request = request_of(Tool() if tool is None else tool, values, checked.hub_turn)
     results = Results(request, checked.accuracy)
-    flying, _ = passes_of(request, np.arange(0))
-    touching = flying
-    begun = 0
-    while begun < request.size or flying.size or touching.size:
-        if begun < request.size and flying.size + touching.size < LEAST_FLYING:
+    nothing = passes_of(request, np.arange(0))[0]
+    groups = {FLIES: nothing, BAR: nothing}
+    begun = under_way = 0
+    while begun < request.size or under_way:
+        if begun < request.size and under_way < LEAST_FLYING:
             last = min(begun + BLOCK, request.size)
             fresh, results.reason[begun:last] = passes_of(request, np.arange(begun, last))
-            flying = flying.joined(fresh)
+            groups[FLIES] = joined(groups[FLIES], fresh)
             begun = last
         # the larger group goes on: calls for few passes cost as much as for many
-        if flying.size >= touching.size:
-            codes = advance(flying, checked.accuracy)
-            group, flying = flying, flying.take(codes == FLIES)
-            touching = touching.joined(group.take(codes == TOUCHES))
-        else:
-            codes = touch_bar(touching, checked.accuracy)
-            group, touching = touching, touching.take(codes == TOUCHES)
-            flying = flying.joined(group.take(codes == FLIES))
-        over = np.flatnonzero((codes != FLIES) & (codes != TOUCHES))
+        flies = groups[FLIES].size >= groups[BAR].size
+        group = groups[FLIES if flies else BAR]
+        groups[FLIES if flies else BAR] = nothing
+        group.code[:] = (advance if flies else touch_bar)(group, checked.accuracy)
+        for code, others in groups.items():
+            groups[code] = joined(others, group.take(np.flatnonzero(group.code == code)))
+        under_way = groups[FLIES].size + groups[BAR].size
+        over = np.flatnonzero(group.code > BAR)
         if over.size:
-            results.add(group.take(over), codes[over])
+            results.add(group.take(over))
             if progress is not None:
-                progress((begun - flying.size - touching.size) / request.size)
+                progress((begun - under_way) / request.size)
     return results.ensemble()
 
 
@@ -129,35 +127,33 @@ class Results:
         self.columns = {name: np.full(request.size, np.nan) for name in QUANTITIES}
         self.codes = np.full(request.size, REFUSED, dtype=np.int8)
         self.reason = np.full(request.size, "", dtype=object)
-        self.waiting = list[tuple[Passes, Chosen]]()
+        self.waiting = list[Passes]()
 
-    def add(self, passes: Passes, ending: Chosen) -> None:
-        """Add passes that have ended; ``ending`` holds the code of the cause of each end."""
-        self.waiting.append((passes, ending))
-        if sum(each.size for each, _ in self.waiting) >= LEAST_FLYING:
-            self._record_waiting()
-
-    def _record_waiting(self) -> None:
-        if self.waiting:
-            passes, endings = zip(*self.waiting, strict=True)
-            self._record(passes[0].joined(*passes[1:]), np.concatenate(endings))
+    def add(self, passes: Passes) -> None:
+        """Add passes that have ended."""
+        self.waiting.append(passes)
+        if sum(each.size for each in self.waiting) >= LEAST_FLYING:
+            self._record(joined(*self.waiting))
             self.waiting.clear()
 
-    def _record(self, passes: Passes, ending: Chosen) -> None:
+    def _record(self, passes: Passes) -> None:
         """Evaluate passes that have ended, and store their results."""
+        numbers = passes.number.astype(int)
         for code, reason in REASONS.items():
-            over = passes.number[ending == code]
-            self.reason[over] = reason
-        over = np.flatnonzero((ending == MISSED) | (ending == LOCKED) | (ending == STRUCK))
-        if not over.size:
-            return
-        done = passes.take(over)
-        numbers = done.number
-        values = self.request.at(done.number)
-        self.codes[numbers] = np.where(ending[over] == LOCKED, JAMS, MISSES)
-        for name, each in _bar_measures(done, values).items():
+            self.reason[numbers[passes.code == code]] = reason
+        over = np.flatnonzero(np.isin(passes.code, (MISSED, LOCKED, WORKPART)))
+        done, numbers = passes.take(over), numbers[over]
+        values = self.request.at(numbers)
+        self.codes[numbers] = np.where(done.code == LOCKED, JAMS, MISSES)
+        found = {
+            "release_time": (done.release - done.start) / values["hub_speed"],
+            "release_retraction": -done.release_angle,
+            "largest_retraction": -done.lowest,
+            "error_estimate": np.minimum(done.error, UNCERTAIN),
+        }
+        for name, each in found.items():
             self.columns[name][numbers] = each
-        struck = np.flatnonzero(ending[over] == STRUCK)
+        struck = np.flatnonzero(done.code == WORKPART)
         if struck.size:
             own = {key: each[struck] for key, each in values.items()}
             found = strike(done.take(struck), own, self.accuracy)
@@ -173,22 +169,11 @@ class Results:
 
     def ensemble(self) -> Ensemble:
         """Return all results, in arrays of the request's shape."""
-        self._record_waiting()
+        if self.waiting:
+            self._record(joined(*self.waiting))
         shape = self.request.shape
         shaped = {name: each.reshape(shape) for name, each in self.columns.items()}
         outcome = np.array(OUTCOMES)[self.codes].reshape(shape)
         return Ensemble(
             keys=self.request.given, outcome=outcome, reason=self.reason.reshape(shape), **shaped
         )
-
-
-def _bar_measures(passes: Passes, values: dict[str, Array]) -> dict[str, Array]:
-    """Return the quantities of release and retraction, in SI units, and the error estimate of each
-    pass.
-    """
-    return {
-        "release_time": (passes.release - passes.start) / values["hub_speed"],
-        "release_retraction": -passes.release_angle,
-        "largest_retraction": -passes.lowest,
-        "error_estimate": np.minimum(passes.error, UNCERTAIN),
-    }

@@ -14,6 +14,7 @@ integration of ODEs by means of high-order Taylor methods*, Experimental Mathema
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -37,14 +38,23 @@ LONGEST_STEP = 1.0
 The series of a bristle at rest does not bound the step. In more than a radian the height of its tip
 could have more than one minimum in a segment of the step."""
 
-INTERVALS = 8
-"""Number of equal segments of a step. A gap is assumed to have at most one minimum in a segment."""
-
-FRACTIONS = np.linspace(0.0, 1.0, INTERVALS + 1)[:, np.newaxis]
+SEGMENT = 0.125  # longest segment of a step, over the step
+FRACTIONS = np.array([0.0, 0.03125, *np.arange(SEGMENT, 1.01, SEGMENT)])[:, np.newaxis]
 FRACTION_POWERS = FRACTIONS ** np.arange(ORDER + 1)
-"""Ends of a step's segments, as fractions of the step, and the powers of these fractions."""
+"""Ends of a step's segments, as fractions of the step, and the powers of these fractions.
+
+A gap is assumed to have at most one minimum in a segment. The first segment is shorter: a wire that
+has just left the bar may touch it again at once."""
 
 ONE_THREAD = 1024  # most columns of a matrix product; beyond, threads would wait for each other
+
+Function = Callable[[Array], tuple[Array, Array | None]]
+"""Function that returns its values at given arguments, and its derivatives there, or None if it has
+no derivatives."""
+
+Motion = Callable[[Chosen], Callable[[Array], tuple[Array, Array]]]
+"""Function that takes the indices of some passes, and returns their relative angle and rate as a
+function of the hub's turn, rad."""
 
 
 class Pose(NamedTuple):
@@ -80,35 +90,27 @@ class Course(NamedTuple):
     """Taylor series of the motion of bristles in flight, about the present hub angle.
 
     Attributes:
-        hub_angle: present hub angle psi, rad.
         angle: Taylor coefficients a_k of the relative angle alpha, shape (ORDER + 1, passes).
         rate: Taylor coefficients (k + 1) a_(k+1) of the relative rate alpha', shape (ORDER,
             passes).
     """
 
-    hub_angle: Array
     angle: Array
     rate: Array
 
-    def take(self, chosen: Chosen) -> Course:
-        """Return the series of the chosen passes."""
-        return Course(*(each.take(chosen, axis=-1) for each in self))
+    def motion(self, chosen: Chosen) -> Callable[[Array], tuple[Array, Array]]:
+        """Return the relative angle and rate of the chosen passes as a function of the hub's turn,
+        rad.
+        """
+        if len(chosen) == self.angle.shape[1]:
+            return self.at
+        return Course(*(each.take(chosen, axis=1) for each in self)).at
 
     def at(self, step: Array) -> tuple[Array, Array]:
         """Return the relative angle and rate after the hub has turned by ``step``, rad."""
         powers = powers_of(step)
         angle = np.einsum("kn,kn->n", self.angle, powers)
         return angle, np.einsum("kn,kn->n", self.rate, powers[:-1])
-
-    def turning_at(self, step: Array) -> tuple[Array, Array]:
-        """Return the relative rate and acceleration after the hub has turned by ``step``, rad."""
-        powers = powers_of(step)[:-1]
-        bend = np.einsum("kn,kn,k->n", self.rate[1:], powers[:-1], np.arange(1.0, ORDER))
-        return np.einsum("kn,kn->n", self.rate, powers), bend
-
-    def pose_at(self, step: Array) -> Pose:
-        """Return the pose after the hub has turned by ``step``, rad."""
-        return pose_of(self.hub_angle + step, *self.at(step))
 
     def sampled(self, step: Array) -> tuple[Array, Array]:
         """Return the relative angles and rates at the ends of the steps' segments, shape (segments
@@ -149,7 +151,7 @@ def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Arra
     """
     torque = passes.damping * rate + passes.stiffness * angle
     torque += passes.centrifugal * sine_and_cosine(angle)[0]
-    if passes.heavy:
+    if passes.gravity.any():
         torque += passes.gravity * sine_and_cosine(hub_angle + angle)[0]
     return -torque
 
@@ -157,29 +159,30 @@ def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Arra
 def course_of(passes: Passes) -> Course:
     """Return the Taylor series of the motion in flight, about the present hub angles."""
     arcs = [passes.angle]
-    pulls = [-passes.stiffness, -passes.damping, -passes.centrifugal]
-    if passes.heavy:
+    pulls = [passes.centrifugal]
+    if passes.gravity.any():
         arcs.append(passes.hub_angle + passes.angle)
-        pulls.append(-passes.gravity)
-    factors = np.array(pulls)
-    terms = np.empty((2 + 2 * len(arcs), ORDER + 1, passes.size))
-    angle, rate = terms[:2]
-    # sines and cosines of the angles alpha and psi + alpha, shape (2, angles, terms, passes)
-    bent = terms[2:].reshape(2, len(arcs), ORDER + 1, passes.size)
+        pulls.append(passes.gravity)
+    count = len(arcs)
+    factors = -np.array([passes.stiffness, passes.damping, *[0.0 * pulls[0]] * (count - 1), *pulls])
+    # the angle alpha; rates, sines and cosines of the angles alpha and psi + alpha
+    terms = np.empty((1 + 3 * count, ORDER + 1, passes.size))
+    rates = terms[1 : 1 + count]
+    bent = terms[1 + count :].reshape(2, count, ORDER + 1, passes.size)
+    turned = bent[::-1]
+    scales = 1.0 / np.arange(1.0, ORDER + 1.0)[:, np.newaxis, np.newaxis] * np.ones((len(terms), 1))
+    scales[:, -count:] *= -1.0  # the derivative of a cosine
+    terms[0, 0] = passes.angle
+    rates[:, 0] = passes.rate
+    rates[1:, 0] += 1.0  # psi has the rate 1
     bent[:, :, 0] = np.swapaxes([sine_and_cosine(each) for each in arcs], 0, 1)
-    angle[0] = passes.angle
-    rate[0] = passes.rate
-    for k in range(ORDER):
-        np.multiply(rate[k], 1.0 / (k + 1.0), out=angle[k + 1])
-        if k == ORDER - 1:
-            break
-        np.einsum("cn,cn->n", factors, terms[: len(factors), k], out=rate[k + 1])
-        rate[k + 1] *= 1.0 / (k + 1.0)
-        product = np.einsum("kn,abkn->abn", rate[: k + 1], bent[:, :, k::-1])
-        product[:, 1:] += bent[:, 1:, k]  # psi has the rate 1
-        np.multiply(product[1], 1.0 / (k + 1.0), out=bent[0, :, k + 1])
-        np.multiply(product[0], -1.0 / (k + 1.0), out=bent[1, :, k + 1])
-    return Course(passes.hub_angle, angle, rate[:-1])
+    for k in range(ORDER - 1):
+        terms[0, k + 1] = rates[0, k]
+        rates[:, k + 1] = np.einsum("cn,cn->n", factors, terms[: len(factors), k])
+        np.einsum("akn,bakn->ban", rates[:, : k + 1], turned[:, :, k::-1], out=bent[:, :, k + 1])
+        terms[:, k + 1] *= scales[k]
+    terms[0, ORDER] = rates[0, ORDER - 1] / ORDER
+    return Course(terms[0], rates[0, :-1])
 
 
 def step_length(passes: Passes, course: Course, tolerance: float) -> Array:

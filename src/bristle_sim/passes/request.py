@@ -18,7 +18,7 @@ from bristle_sim.parameters.parts import mass_of_volume
 from bristle_sim.parameters.tool import CLEAR_OF_BAR, START, checked_tool
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.motion import pose_of
-from bristle_sim.passes.state import Chosen, Passes
+from bristle_sim.passes.state import ROWS, Chosen, Passes
 from bristle_sim.units import Choice, Range, likely_key
 
 MOST_RADIANS = 1e5  # upper bound of the phase of a pass's fastest motion, rad; a step covers some 2
@@ -220,36 +220,31 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     # without weight a wire stays radial until it meets bar or workpart; its flight begins just before
     resting = (gravity == 0.0) & (met - CLEAR_OF_BAR > start) & (start > met - np.pi)
     undone = np.full(size, np.nan)
-    return Passes(
-        number=numbers,
-        radius=radius,
-        stiffness=stiffness,
-        damping=2.0 * values["belt_damping_ratio"] * np.sqrt(stiffness),
-        centrifugal=1.5 * radius,
-        gravity=gravity,
-        rate_scale=1.0 + np.sqrt(stiffness),
-        bar_distance=distance,
-        bar_angle=bar_angle,
-        bar_x=distance * np.sin(bar_angle),
-        bar_y=-distance * np.cos(bar_angle),
-        reach=reach,
-        wire_radius=wire_radius,
-        bar_friction=bar["friction"],
-        bar_restitution=bar["restitution"],
-        window=window,
-        depth=depth,
-        start=start,
-        end=start + request.hub_turn,
-        hub_angle=np.where(resting, met - CLEAR_OF_BAR, start),
-        angle=nothing.copy(),
-        rate=nothing.copy(),
-        touching=np.zeros(size, dtype=bool),
-        touches=np.zeros(size, dtype=int),
-        release=undone,
-        release_angle=undone.copy(),
-        lowest=nothing.copy(),
-        error=nothing.copy(),
-    )
+    rows = {
+        "number": numbers,
+        "radius": radius,
+        "stiffness": stiffness,
+        "damping": 2.0 * values["belt_damping_ratio"] * np.sqrt(stiffness),
+        "centrifugal": 1.5 * radius,
+        "gravity": gravity,
+        "rate_scale": 1.0 + np.sqrt(stiffness),
+        "bar_distance": distance,
+        "bar_angle": bar_angle,
+        "bar_x": distance * np.sin(bar_angle),
+        "bar_y": -distance * np.cos(bar_angle),
+        "reach": reach,
+        "wire_radius": wire_radius,
+        "bar_friction": bar["friction"],
+        "bar_restitution": bar["restitution"],
+        "window": window,
+        "depth": depth,
+        "start": start,
+        "end": start + request.hub_turn,
+        "hub_angle": np.where(resting, met - CLEAR_OF_BAR, start),
+        "release": undone,
+        "release_angle": undone,
+    }
+    return Passes(np.array([rows.get(name, nothing) for name in ROWS]))
 
 
 def _check_tools(tool: Tool, values: Values, passes: Passes, reasons: Reasons) -> None:

@@ -8,10 +8,10 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.bar import levers, locks, lying
-from bristle_sim.passes.flight import BAR, HUB, NOTHING, WORKPART, fly
+from bristle_sim.passes.flight import fly
 from bristle_sim.passes.motion import pose_of
-from bristle_sim.passes.slide import FOLDED, JAMMED, STRIKES, slide
-from bristle_sim.passes.state import Chosen, Passes
+from bristle_sim.passes.slide import slide
+from bristle_sim.passes.state import FLIES, FOLDS, LOCKED, MISSED, TOO_MANY, Chosen, Passes
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM
 
@@ -38,22 +38,15 @@ MOST_TOUCHES = 3000  # most touches of the bar in a pass; a restitution near 1 g
 LEAST_SPEED = 1e-300
 ROUNDING = 1e-15  # rounding error of an angle that follows from geometry, rad
 
-FLIES, STRUCK, MISSED, LOCKED, TOO_MANY, FOLDS, TOUCHES = range(7)
-"""Codes of a pass's state: in flight; ended by a strike, by the end of the hub's turn, by friction
-on the bar, by endless touches, or by a fold of the wire; touching the bar."""
-
 
 def advance(passes: Passes, accuracy: float) -> Chosen:
     """Advance bristles in flight by one step, and return the code of each pass's new state."""
     tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
-    kind, margin = fly(passes, tolerance)
-    passes.error = np.where(margin < accuracy, 1.0, passes.error)
-    missed = (kind == NOTHING) & (passes.hub_angle >= passes.end)
-    return np.select(
-        [_folds(passes) | (kind == HUB), kind == WORKPART, kind == BAR, missed],
-        [FOLDS, STRUCK, TOUCHES, MISSED],
-        FLIES,
-    )
+    codes, margin = fly(passes, tolerance)
+    passes.error[margin < accuracy] = 1.0
+    codes[(codes == FLIES) & (passes.hub_angle >= passes.end)] = MISSED
+    codes[_folds(passes)] = FOLDS
+    return codes
 
 
 def _folds(passes: Passes) -> Chosen:
@@ -71,40 +64,37 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     inverse_mass = (rows[:, np.newaxis] * rows).transpose(2, 0, 1)
     velocity = np.array([touch.normal_velocity, touch.tangential_velocity]).T
     hit = energetic_impact(inverse_mass, velocity, passes.bar_friction, passes.bar_restitution)
-    passes.rate = passes.rate + rows[0] * hit.impulse_normal + rows[1] * hit.impulse_tangential
-    passes.touches = passes.touches + 1
-    passes.touching = np.ones(passes.size, dtype=bool)
-    passes.release, passes.release_angle = passes.hub_angle.copy(), passes.angle.copy()
-    ending = np.where(
-        hit.outcome == JAM, LOCKED, np.where(passes.touches > MOST_TOUCHES, TOO_MANY, FLIES)
-    )
+    passes.rate += rows[0] * hit.impulse_normal + rows[1] * hit.impulse_tangential
+    passes.touches += 1.0
+    passes.touching[:] = 1.0
+    passes.release[:], passes.release_angle[:] = passes.hub_angle, passes.angle
+    ending = np.where(passes.touches > MOST_TOUCHES, TOO_MANY, FLIES)
+    ending[hit.outcome == JAM] = LOCKED
 
-    sides = touch.side
     at_end = touch_at_end(passes, passes.hub_angle)
-    held = lying(passes, passes.hub_angle, sides, at_end)
+    held = lying(passes, passes.hub_angle, touch.side, at_end)
     parting = np.maximum(hit.velocity_normal, 0.0)
     pressed = np.abs(touch.normal) * held.pressure
     approach = np.maximum(-touch.normal_velocity, LEAST_SPEED)
-    amplified = np.abs(pressed) / approach
-    grown = passes.error * (1.0 + (1.0 + passes.bar_restitution) * amplified)
-    passes.error = np.minimum(grown, 1.0)  # 1 stands for any uncertainty
+    # An error of the angle shifts the touch, and so changes the rate.
+    amplified = (1.0 + passes.bar_restitution) * np.abs(pressed) / (approach * passes.rate_scale)
+    passes.error[:] = np.minimum(
+        passes.error * (1.0 + amplified), 1.0
+    )  # 1 stands for any uncertainty
     # Without the bar the overlap would stay within the accuracy, and the gap would open again.
-    grazes = touch.normal_velocity**2 < -2.0 * pressed * accuracy
-    passes.error = np.where(grazes, 1.0, passes.error)
+    passes.error[touch.normal_velocity**2 < -2.0 * pressed * accuracy] = 1.0
     low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
-    low |= comes_to_rest(passes, sides, at_end, pressed, parting, parting / approach)
+    low |= comes_to_rest(passes, touch.side, at_end, pressed, parting, parting / approach)
     stays = np.flatnonzero((ending == FLIES) & (pressed > 0.0) & low)
     if stays.size:
         some = passes.take(stays)
-        some.rate = held.rate[stays]
+        some.rate[:] = held.rate[stays]
         locked = locks(some, some.hub_angle, some.angle, some.rate)
-        how = slide(some, sides[stays])
-        some.error = np.where(some.error >= 1.0, 1.0, ROUNDING)
+        how = slide(some, touch.side[stays])
+        some.error[:] = np.where(some.error >= 1.0, 1.0, ROUNDING)
         passes.put(stays, some)
-        how[locked] = JAMMED
-        ending[stays] = np.select(
-            [how == JAMMED, how == STRIKES, how == FOLDED], [LOCKED, STRUCK, FOLDS], FLIES
-        )
+        how[locked] = LOCKED
+        ending[stays] = how
         ending[_folds(passes)] = FOLDS
     return ending
 

@@ -4,9 +4,7 @@ time, and moments are over the bristle's moment of inertia.
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,25 +14,22 @@ from bristle_sim.arrays import Array
 Chosen = NDArray[Any]
 """Indices of passes, a Boolean mask of passes, or an integer code for each pass."""
 
-
-class Place(NamedTuple):
-    """Geometry that decides the gaps of wires to bar and workpart; the attributes are those of
-    ``Passes``.
-    """
-
-    radius: Array
-    bar_x: Array
-    bar_y: Array
-    reach: Array
-    depth: Array
+FLIES, BAR, WORKPART, FOLDS, MISSED, LOCKED, TOO_MANY = range(7)
+"""Codes of a pass's state: in flight; touching the bar; ended by a touch of the workpart, by a wire
+folded by more than a quarter turn, by the end of the hub's turn, by friction on the bar, or by
+endless touches of the bar. ``BAR`` and ``WORKPART`` are also the codes of these obstacles."""
 
 
-@dataclass(slots=True, eq=False)
 class Passes:
-    """State and constants of passes under way; every attribute is an array of shape (passes,).
+    """State and constants of passes under way.
+
+    Every attribute is a row of one table, with one column for each pass. New values are therefore
+    assigned into a row: ``passes.rate[:] = ...``.
 
     Attributes:
+        table: all rows, shape (rows, passes).
         number: index of each pass in the request.
+        code: code of the pass's state.
         radius: radius of the hub, r_h/L.
         stiffness, damping, centrifugal, gravity: coefficients k, d, b and g of the equation of
             motion in the module ``motion``.
@@ -52,7 +47,8 @@ class Passes:
         start, end: hub angles at which the pass starts and ends, rad.
         hub_angle, angle, rate: present hub angle psi, relative angle alpha and rate
             d(alpha)/d(psi).
-        touching: whether the wire has just left the bar, so that the gap begins at zero.
+        touching: 1 where the wire has just left the bar, so that the gap begins at zero, otherwise
+            0.
         touches: number of touches of the bar so far.
         release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
             NaN before the first contact.
@@ -60,7 +56,8 @@ class Passes:
         error: estimated error of the relative angle, rad, and of the rate over ``rate_scale``.
     """
 
-    number: Chosen
+    number: Array
+    code: Array
     radius: Array
     stiffness: Array
     damping: Array
@@ -82,45 +79,37 @@ class Passes:
     hub_angle: Array
     angle: Array
     rate: Array
-    touching: Chosen
-    touches: Chosen
+    touching: Array
+    touches: Array
     release: Array
     release_angle: Array
     lowest: Array
     error: Array
+
+    def __init__(self, table: Array) -> None:
+        self.table = table
+        self.__dict__.update(zip(ROWS, table, strict=True))
 
     @property
     def size(self) -> int:
         """Number of passes."""
         return len(self.number)
 
-    @property
-    def heavy(self) -> bool:
-        """Whether any bristle has weight."""
-        return bool(self.gravity.any())
-
     def take(self, chosen: Chosen) -> Passes:
-        """Return the chosen passes."""
-        return Passes(*(each[chosen] for each in self._columns()))
-
-    def place(self, chosen: Chosen) -> Place:
-        """Return the geometry that decides the gaps of the chosen passes."""
-        return Place(*(getattr(self, name)[chosen] for name in Place._fields))
+        """Return the passes with the given indices, which increase; all passes are not copied."""
+        return self if len(chosen) == self.size else Passes(self.table.take(chosen, axis=1))
 
     def put(self, chosen: Chosen, some: Passes) -> None:
-        """Copy the state of ``some`` passes to the chosen passes of this object."""
-        for name in STATE:
-            getattr(self, name)[chosen] = getattr(some, name)
-
-    def joined(self, *others: Passes) -> Passes:
-        """Return these passes followed by other passes."""
-        columns = zip(self._columns(), *(each._columns() for each in others), strict=True)
-        return Passes(*map(np.concatenate, columns))
-
-    def _columns(self) -> list[NDArray[Any]]:
-        return [getattr(self, name) for name in COLUMNS]
+        """Copy ``some`` passes to the given indices of these passes."""
+        self.table[:, chosen] = some.table
 
 
-COLUMNS = tuple(each.name for each in dataclasses.fields(Passes))
-STATE = COLUMNS[COLUMNS.index("hub_angle") :]
-"""Names of all columns of passes, and of the columns that change during a pass."""
+ROWS = tuple(Passes.__annotations__)
+
+
+def joined(*groups: Passes) -> Passes:
+    """Return the passes of several groups in one group."""
+    filled = [each for each in groups if each.size] or groups
+    if len(filled) == 1:
+        return filled[0]
+    return Passes(np.concatenate([each.table for each in filled], axis=1))
