@@ -145,7 +145,7 @@ def test_film_shows_the_wire_bend(short: Report) -> None:
     """To scale: the hinge is off the chord of root and tip by a quarter of the length times the bend, which is small."""
     scene = WireFilm(short.subject, width=320, height=240, duration=1.0)
     scene.show(float(scene.warp.film_time(3e-5)))
-    points = scene.wires[1].wire.get_xydata()
+    points = scene.wires[0].wire.get_xydata()
     chord = points[-1] - points[0]
     first = points[1] - points[0]
     bend = (first[0] * chord[1] - first[1] * chord[0]) / np.linalg.norm(chord)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,10 +12,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SERIES, VERMILION
 from bristle_sim.render.drawing import (
-    WireDrawing,
-    draw_film_tool,
+    draw_wires,
     show_points,
-    show_wires,
     touch_places,
 )
 from bristle_sim.studies.bent_bristles import BentBristles, against_film
@@ -209,12 +206,12 @@ def neighbours_figure(
 
 def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
     lines = [run.at(time).centre_line for run in row.bristles]
-    show_wires(axes, row.tool, lines)
-    draw_film_tool(axes, row.tool, 7.0)
-    for number, (line, color) in enumerate(zip(lines, cycle(SERIES), strict=False), 1):
-        WireDrawing(axes, row.tool, color=color).place(line)
+    colors = (SERIES * 2)[: len(lines)]
+    drawings = draw_wires(axes, row.tool, lines, colors, 7.0)
+    for number, (drawing, line) in enumerate(zip(drawings, lines, strict=True), 1):
+        drawing.place(line)
         x, y = 0.9 * style.MILLIMETRES * line[0]
-        axes.text(x, y, str(number), color=color, fontsize=7.0, ha="center", va="center")
+        axes.text(x, y, str(number), color=colors[number - 1], ha="center", va="center")
     places = touch_places(lines, row.tool.bristle.wire_diameter)
     axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
 

@@ -78,8 +78,21 @@ def add_arrows(axes: Axes, *colors: str) -> Quiver:
     return axes.quiver(none, none, none, none, color=colors, **units, **look)
 
 
-def draw_film_tool(axes: Axes, tool: Tool, letter_size: float) -> None:
-    """Draw the background of a film in axes with their final limits: the tool, and a scale bar."""
+def draw_wires(
+    axes: Axes,
+    tool: Tool,
+    lines: ArrayLike,
+    colors: Sequence[str],
+    letter_size: float,
+    *,
+    margin: float = 0.05,
+    details: bool = False,
+) -> list[WireDrawing]:
+    """Draw the tool and a scale bar, and return a drawing of a wire for each colour, to be placed.
+
+    ``lines`` and ``margin`` are those of :func:`show_wires`, ``details`` those of the drawings.
+    """
+    show_wires(axes, tool, lines, margin)
     axes.set_axis_off()
     draw_tool(axes, tool, letter_size)
     longest = LONGEST_SCALE_BAR * float(np.ptp(axes.get_xlim()))
@@ -97,6 +110,7 @@ def draw_film_tool(axes: Axes, tool: Tool, letter_size: float) -> None:
         fontproperties=FontProperties(size=letter_size),
     )
     axes.add_artist(bar)
+    return [WireDrawing(axes, tool, color=color, details=details) for color in colors]
 
 
 def draw_tool(axes: Axes, tool: Tool, letter_size: float) -> None:

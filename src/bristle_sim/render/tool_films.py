@@ -10,7 +10,7 @@ import numpy as np
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, SERIES, SKY, VERMILION
-from bristle_sim.render.drawing import WireDrawing, draw_film_tool, show_wires, touch_places
+from bristle_sim.render.drawing import draw_wires, touch_places
 from bristle_sim.render.film import HEADER, Film, TimeWarp, slow_motion
 from bristle_sim.render.story import Phase, phase_at, phases, story_end
 from bristle_sim.render.style import MILLIMETRES, Look, signed, styled
@@ -61,10 +61,12 @@ class ToolFilm(Film):
         self._past = courses[0]
         axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
         shown = [each.centre_line[each.time >= warp.physical[0]] for each in courses]
-        show_wires(axes, tool, np.concatenate(shown), 0.04 if self.single else 0.08)
-        draw_film_tool(axes, tool, 0.75 * self.letters)
+        margin = 0.04 if self.single else 0.08
+        letters = 0.75 * self.letters
+        self.wires = draw_wires(
+            axes, tool, np.concatenate(shown), colors, letters, margin=margin, details=self.single
+        )
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-        self.wires = [WireDrawing(axes, tool, color=each, details=self.single) for each in colors]
         contact = runs[0].first_contact("workpart")
         self._timed = contact is not None and contact.history is not None
         strike = runs[0].event_time("strike")

@@ -16,7 +16,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.readable import amount
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
-from bristle_sim.render.drawing import WireDrawing, add_arrows, draw_film_tool, show_wires
+from bristle_sim.render.drawing import add_arrows, draw_wires
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.studies.flexible_wire import FlexibleWire, measures
 from bristle_sim.studies.timed_contact import cubics
@@ -107,50 +107,43 @@ class WireFilm(Film):
     ) -> None:
         warp = slow_motion(0.0, float(struck.wire.time[-1]), duration)
         super().__init__(warp, width, height, (BLUE, ORANGE), style.Scale(style.MICROSECONDS, "µs"))
-        self._links = struck.strike.tool.bristle.links
-        small = 0.62 * self.letters
-        wires = self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER))
-        force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER), 0.9 * small)
-        wave = self.add_timeline((0.565, 0.115, 0.35, 0.3), 0.9 * small)
-        runs = {
-            "rigid bristle": (struck.rigid, ORANGE),
-            f"wire of {self._links} link{'s' * (self._links > 1)}": (struck.wire, BLUE),
-        }
-        self._runs = [run for run, _ in runs.values()]
-        self._lines = [cubics(run.time, run.centre_line) for run in self._runs]
-        points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in self._runs])
-        self._longest = LONGEST_FORCE * float(np.ptp(points[:, 1])) * style.MILLIMETRES
-        below = points.min(axis=0) - [0.0, self._longest / style.MILLIMETRES]
         tool = struck.strike.tool
-        show_wires(wires, tool, np.vstack([points, below]), 0.1)
-        draw_film_tool(wires, tool, small)
-        self.wires = [WireDrawing(wires, tool, color=color) for _, color in runs.values()]
-        self.arrow = add_arrows(wires, VERMILION)
-        looks = {name: {"color": color, "linewidth": 2.5} for name, (_, color) in runs.items()}
-        looks["normal force on its end"] = {"color": VERMILION, "linewidth": 2.5}
-        style.write_key(wires, looks, loc="upper left", ncols=1, fontsize=small, borderaxespad=1.0)
-        for run, color in runs.values():
+        self._links = tool.bristle.links
+        self._runs = (struck.wire, struck.rigid)
+        self._lines = [cubics(run.time, run.centre_line) for run in self._runs]
+        letters = 0.62 * self.letters
+        axes = self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER))
+        force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER), 0.9 * letters)
+        wave = self.add_timeline((0.565, 0.115, 0.35, 0.3), 0.9 * letters)
+        points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in self._runs])
+        self._longest = LONGEST_FORCE * float(np.ptp(points[:, 1]))
+        below = points.min(axis=0) - [0.0, self._longest]
+        colors = (BLUE, ORANGE)
+        shown = np.vstack([points, below])
+        self.wires = draw_wires(axes, tool, shown, colors, letters, margin=0.1)
+        self.arrow = add_arrows(axes, VERMILION)
+        for run, color in zip(self._runs, colors, strict=True):
             touch, pushed = _force(run)
             clock = style.MICROSECONDS * touch
             force.fill_between(clock, pushed, color=color, alpha=0.15, linewidth=0.0)
             force.plot(clock, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
-        force.set_title("normal force (N)", loc="left", fontsize=small)
-        wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=small)
-        self.arrival = _draw_wave(wave, struck, small)
-        artists = [each for wire in self.wires for each in wire.artists]
+        force.set_title("normal force (N), as the arrow", loc="left", fontsize=letters)
+        wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=letters)
+        self.arrival = _draw_wave(wave, struck, letters)
+        artists = [each for wire in reversed(self.wires) for each in wire.artists]
         self.moving = [*artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires and the arrow of the force to a time, s."""
-        touch, force = _force(self._runs[1])
-        rigid, pushed = (float(np.interp(time, *_force(run), right=0.0)) for run in self._runs)
-        for drawing, line in zip(self.wires, self._lines, strict=True):
-            drawing.place(line(time))
-        up = self._longest * pushed / force.max()
-        x, y = self._lines[1](time)[-1] * style.MILLIMETRES
-        self.arrow.set_offsets([(x, y - up)])
-        self.arrow.set_UVC(0.0, up)
+        touch, force = _force(self._runs[0])
+        pushed, rigid = (float(np.interp(time, *_force(run), right=0.0)) for run in self._runs)
+        wire, _ = lines = [line(time) for line in self._lines]
+        for drawing, line in zip(self.wires, lines, strict=True):
+            drawing.place(line)
+        up = np.array([0.0, self._longest * pushed / force.max()])
+        self.arrow.set_offsets(style.MILLIMETRES * (wire[-1] - up))
+        self.arrow.set_UVC(*(style.MILLIMETRES * up))
         caption = "the wave is at the root"
         if time > touch[-1]:
             caption = "released, the wire swings on"
