@@ -114,10 +114,10 @@ def _draw_turn(axes: Axes, whole: WholeTool) -> None:
     """Draw sustained forces of a bristle on the workpart, and impulses on the right scale."""
     turned = np.degrees(whole.tool.hub.speed)
     pushes = [each for each in whole.forces[-1] if each.obstacle == "workpart"]
-    brief = [(turned * each.begin, 1e3 * each.integral[0]) for each in pushes if not each.course]
+    brief = [(turned * each.edges[0], 1e3 * each.integral[0]) for each in pushes if not each.course]
     for each in pushes:
         if each.course:
-            time = np.linspace(each.begin, each.end, 200)
+            time = np.linspace(each.edges[0], each.edges[-1], 200)
             force = each.course(time)
             axes.fill_between(turned * time, force, facecolor=SKY, edgecolor=BLUE)
     impulses = add_right_scale(axes)

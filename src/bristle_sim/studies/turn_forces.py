@@ -12,6 +12,7 @@ the bandwidth it passes half the power.
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,15 +40,14 @@ class Force:
 
     Attributes:
         obstacle: name of the obstacle.
-        begin, end: start and end, s; equal for an impact.
+        edges: ascending instants, s, between which the force is smooth; a single one for an impact.
         integral: impulses of the normal and the tangential force, N s, and time integral of their
             moment, N m s.
         course: normal force over time, N; None for an impact.
     """
 
     obstacle: str
-    begin: float
-    end: float
+    edges: tuple[float, ...]
     integral: Array
     course: Callable[[Array], Array] | None = None
 
@@ -73,20 +73,21 @@ def load_cell_response(
     state = np.zeros(len(times), dtype=complex)
     for force in forces:
         if force.course is None:
-            state += force.integral[0] * np.exp(pole * np.mod(times - force.begin, period))
+            since = np.mod(times - force.edges[0], period)
+            state += force.integral[0] * np.exp(pole * since)
             continue
-        parts = math.ceil((force.end - force.begin) * max(2.0 / period, abs(pole)) + 1.0)
-        length = (force.end - force.begin) / parts
-        for start in force.begin + length * np.arange(parts):
-            since = np.mod(times - start, period)
-            whole = complex(_weighed(force.course, start, np.array([length]), pole)[0])
-            inside = since < length
-            state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
-            # Of the part that still acts only the impulse so far counts; its earlier repetitions
-            # are complete.
-            state[inside] += -np.expm1(pole * period) * _weighed(
-                force.course, start, since[inside], pole
-            )
+        for begin, end in pairwise(force.edges):
+            parts = math.ceil((end - begin) * max(2.0 / period, abs(pole)) + 1.0)
+            length = (end - begin) / parts
+            for start in begin + length * np.arange(parts):
+                since = np.mod(times - start, period)
+                whole = complex(_weighed(force.course, start, np.array([length]), pole)[0])
+                inside = since < length
+                state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
+                # Of the part that still acts only the impulse so far counts; its earlier
+                # repetitions are complete.
+                acting = _weighed(force.course, start, since[inside], pole)
+                state[inside] += -np.expm1(pole * period) * acting
     # Residue of w^2/((s - p)(s - p*)) at p, with the sum over k.
     return np.asarray(
         2.0 * (-1j * abs(pole) / math.sqrt(2.0) * state / -np.expm1(pole * period)).real
@@ -118,15 +119,15 @@ def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
 
     found = []
     for contact in run.contacts:
+        edges: tuple[float, ...] = (contact.time,)
+        course = None
         if contact.law == "sustained":
-            begin, end, moment = _sustained(tool, motion, contact)
+            edges, moment = _sustained(tool, motion, contact)
             course = normal_force
         else:
-            begin = end = contact.time
             moment = impulse_moment(tool, contact)
-            course = None
         integral = np.array([*contact.impulse, moment])
-        found.append(Force(contact.obstacle, begin, end, integral, course))
+        found.append(Force(contact.obstacle, edges, integral, course))
     return tuple(found)
 
 
@@ -147,9 +148,12 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
 
 def _sustained(
     tool: Tool, motion: Interpolation, contact: ContactRecord
-) -> tuple[float, float, float]:
-    """Return start and end of a sustained contact, s, and the time integral of its force's moment,
-    N m s.
+) -> tuple[tuple[float, ...], float]:
+    """Return the instants between which the force of a sustained contact is smooth, s, and the time
+    integral of its moment, N m s.
+
+    The force jumps where slip reverses, and where the bar reaches the wire's end. The run has two
+    samples there, before and after the jump.
     """
     ends = (contact.time, contact.time + contact.duration)
     first, last = (int(abs(motion.run.time - each).argmin()) for each in ends)
@@ -171,4 +175,4 @@ def _sustained(
     # changes there, so what is missing of the impulse acts with the last lever.
     impulse[:, -1, -1] += np.subtract(contact.impulse, impulse.sum(axis=(1, 2)))
     moment = float((np.conj(point) * in_plane(normal, impulse)).imag.sum())
-    return float(time[0]), float(time[-1]), moment
+    return tuple(np.unique(time[[0, *np.flatnonzero(np.diff(time) <= 0.0), -1]]).tolist()), moment
