@@ -39,7 +39,7 @@ def end_contacts(
     system.scene.engine.keep_closed(())
     for contact in ending:
         if record := contact.record(system.gaps, system.state, outcome):
-            system.contact(record, contact.pair)
+            system.recording.contacts.append((record, system.links_of(contact.pair)))
     return tuple([contact for contact in contacts if contact not in ending])
 
 
@@ -181,7 +181,7 @@ def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord
         touched = replace(pair, restitution=0.0)
     system.state, record = law.resolve(system.scene, before, touched)
     propagate_error(system, pair, before, record)
-    system.contact(record, pair)
+    system.recording.contacts.append((record, system.links_of(pair)))
     system.sample()
     return record
 

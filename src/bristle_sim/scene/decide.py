@@ -119,7 +119,7 @@ def begin_motion(system: System, given: Motion) -> Motion:
     force can keep a rigid contact closed.
     """
     springs = given.springs
-    if system.recording.stop_reason is None and system.had_last_event and not springs:
+    if not (system.recording.stop_reason or system.waiting or springs):
         system.stop(StopReason.EVENT)
         return Motion()
     ordered = given.ordered

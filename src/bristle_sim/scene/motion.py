@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 
 from bristle_sim.scene.contact import ActiveContact, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
@@ -146,7 +146,14 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     for spring in motion.springs:
         follow_bodies(system.scene, start, spring)
     length = _proposed(system, motion)
-    integrate_to = cache(partial(system.stepper.advance, system.scene, start, load=motion.load))
+    known: dict[float, IntervalResult] = {}
+
+    def integrate_to(time: float) -> IntervalResult:
+        """Return the result at a time after the interval's start; each time is integrated once."""
+        if time not in known:
+            known[time] = system.stepper.advance(system.scene, start, time, motion.load)
+        return known[time]
+
     result = integrate_to(length)
     rigid = motion.rigid
     if rigid is not None and (result.failed or first):

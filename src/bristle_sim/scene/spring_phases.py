@@ -61,7 +61,7 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
     and the contact is not very short, this compression exceeds the accuracy. Without restitution
     the spring is compressed again after each contact.
     """
-    if not system.mechanism.single_link or motion.contacts or system.had_last_event:
+    if not system.mechanism.single_link or motion.contacts or not system.waiting:
         return None
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state

@@ -126,6 +126,7 @@ class System:
         stepper: integrator of the present motion.
         noise: smallest magnitude of a rate or an acceleration that has a sign.
         recording: the record so far.
+        waiting: indices of the wires that have not had the event that ends the run.
     """
 
     def __init__(
@@ -160,6 +161,7 @@ class System:
         damping = scene.effects.damping / scene.mechanism.links[0].inertia_about_joint
         self.noise = max(LEAST_VALUE, flight.noise * (1.0 + damping))
         self.recording = Recording()
+        self.waiting = set(range(scene.mechanism.wires))
         self.sample()
 
     @property
@@ -242,21 +244,10 @@ class System:
                 ends only when that contact is over.
         """
         self.recording.events.append((Event(name, self.state.time), tuple(wires)))
-        if name == self.plan.stop_after and not lasts and self.had_last_event:
-            self.stop(StopReason.EVENT)
-
-    @property
-    def had_last_event(self) -> bool:
-        """Whether every wire has had the event that ends the run."""
-        last = self.plan.stop_after
-        happened = {
-            wire for each, wires in self.recording.events if each.name == last for wire in wires
-        }
-        return len(happened) == self.mechanism.wires
-
-    def contact(self, record: ContactRecord, pair: ContactPair) -> None:
-        """Record a contact."""
-        self.recording.contacts.append((record, self.links_of(pair)))
+        if name == self.plan.stop_after:
+            self.waiting -= set(wires)
+            if not (self.waiting or lasts):
+                self.stop(StopReason.EVENT)
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
         """End the run for a reason, with an optional explanation. Only the first reason is kept."""
