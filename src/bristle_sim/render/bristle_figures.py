@@ -30,14 +30,6 @@ MARKS: dict[str, style.Look] = {
     "path before touch": {"linestyle": "--", "linewidth": 1.0},
     "in touch": {"linewidth": 2.6},
     "after touch": {"linewidth": 1.0},
-    "compression ends": {"linestyle": "none", "marker": "o", "markersize": 4.5, "zorder": 3},
-    "slip turns back": {
-        "linestyle": "none",
-        "marker": "D",
-        "markersize": 5.5,
-        "markerfacecolor": "none",
-        "zorder": 4,
-    },
 }
 
 
@@ -120,15 +112,8 @@ def _draw_strike(
         time = np.linspace(first, last, 400)
         drawn[mark] = style.MILLIMETRES * (run.at(time).tip - struck.tip)
         paths.plot(*drawn[mark].T, color=color, **MARKS[mark])
-    along, above = drawn["in touch"].T
     time = style.MICROSECONDS * np.linspace(0.0, contact.duration, 400)
-    slides.plot(time, along, color=color)
-    marked = {"compression ends": np.argmin(above)}
-    slide = bent.slides[shape]
-    if slide is not None and slide.ending == "turns":
-        marked["slip turns back"] = np.argmax(along)
-    for mark, index in marked.items():
-        slides.plot(time[index], along[index], color=color, **MARKS[mark])
+    slides.plot(time, drawn["in touch"][:, 0], color=color)
     return wire, np.concatenate([drawn["in touch"], drawn["after touch"]])
 
 
