@@ -138,7 +138,7 @@ class CompliantLaw(ContactLaw):
             duration=duration,
             predicted=rigid.outcome_name,
             finite_duration=self.duration is not None,
-            stepper=Extrapolation(tolerance, fastest, repetitions, longest),
+            stepper=Extrapolation(tolerance * fastest, repetitions, longest),
             surface=touch.gap,
             inverse_mass=point.inverse_mass,
             start=state,

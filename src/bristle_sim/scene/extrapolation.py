@@ -159,9 +159,7 @@ class Extrapolation:
     """Integrates intervals without events by engine steps, extrapolated to the step zero.
 
     Args:
-        tolerance: largest relative error of an interval.
-        scale: scale of the motion, in scene units; the largest absolute error is ``tolerance *
-            scale``.
+        tolerance: largest absolute error of an interval, in scene units.
         repetitions: numbers of steps of the repetitions, except for time-symmetric steps and for
             plain steps without contacts, which have their own.
         longest: longest interval that is proposed. The first interval may be longer, and so may an
@@ -169,7 +167,7 @@ class Extrapolation:
         damped_step: longest step whose error estimate is trusted under damping.
 
     Attributes:
-        noise: largest absolute error of an interval.
+        noise: largest absolute error of an interval, at least its rounding error.
         length: length proposed for the next interval.
         table: numbers of steps of the last interval.
     """
@@ -177,7 +175,6 @@ class Extrapolation:
     def __init__(
         self,
         tolerance: float,
-        scale: float = 1.0,
         repetitions: Repetitions = CLOSE,
         longest: float = math.inf,
         damped_step: float = math.inf,
@@ -188,7 +185,7 @@ class Extrapolation:
         self.longest = longest
         self.damped_step = damped_step
         self.length = 1.5
-        self.noise = max(tolerance * scale, repetitions.noise[3])
+        self.noise = max(tolerance, repetitions.noise[3])
 
     def propose(self, remaining: float) -> float:
         """Return the length of the next interval, shortened so that it divides the remaining time

@@ -139,15 +139,17 @@ def contacts_in_si(
         wires = [link // size for link in links]
         if wire in wires:
             place = wires.index(wire)
-            alone = dataclasses.replace(
-                contact,
-                angles=contact.angles[own],
-                rates_before=contact.rates_before[own],
-                rates_after=contact.rates_after[own],
-                link=links[place] % size + 1 if size > 1 else None,
-                neighbour=wires[place - 1] + 1 if len(wires) > 1 else None,
+            found.append(
+                contact_in_si(
+                    contact,
+                    units,
+                    angles=contact.angles[own],
+                    rates_before=contact.rates_before[own],
+                    rates_after=contact.rates_after[own],
+                    link=links[place] % size + 1 if size > 1 else None,
+                    neighbour=wires[place - 1] + 1 if len(wires) > 1 else None,
+                )
             )
-            found.append(contact_in_si(alone, units))
     return tuple(sorted(found, key=attrgetter("time")))
 
 
@@ -186,16 +188,18 @@ UNIT_OF = {
 T = TypeVar("T", ContactRecord, ContactHistory)
 
 
-def contact_in_si(record: T, units: Units) -> T:
-    """Return a contact record, or its history, converted from engine units to SI."""
-    found: dict[str, Any] = {}
+def contact_in_si(record: T, units: Units, **changes: Any) -> T:
+    """Return a contact record, or its history, converted from engine units to SI.
+
+    ``changes`` are new values of the record's attributes, in engine units.
+    """
     for field in dataclasses.fields(record):
-        value = getattr(record, field.name)
+        value = changes.get(field.name, getattr(record, field.name))
         if isinstance(value, ContactHistory):
-            found[field.name] = contact_in_si(value, units)
+            changes[field.name] = contact_in_si(value, units)
         elif field.name in UNIT_OF and value is not None:
             size = getattr(units, UNIT_OF[field.name])
-            found[field.name] = (
+            changes[field.name] = (
                 tuple([each * size for each in value]) if isinstance(value, tuple) else value * size
             )
-    return dataclasses.replace(record, **found)
+    return dataclasses.replace(record, **changes)

@@ -302,7 +302,7 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
     tolerance = settings.accuracy * LOCAL_FRACTION / max(1.0, intervals / SOME_INTERVALS)
     longest = min(2.0 * plan.longest_interval, plan.damped_interval)
     damped_step = plan.damped_interval / DAMPED_STEPS
-    return Extrapolation(tolerance, scale, longest=longest, damped_step=damped_step)
+    return Extrapolation(tolerance * scale, longest=longest, damped_step=damped_step)
 
 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:

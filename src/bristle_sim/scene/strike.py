@@ -261,7 +261,7 @@ def strike_wire(
         # of the step budget.
         longest = min(duration / units.time / SAMPLES_OF_A_COURSE, damped_interval(scene))
         fastest = max(1.0, *map(abs, after.rates))
-        stepper = Extrapolation(0.1 * settings.accuracy, fastest, longest=longest)
+        stepper = Extrapolation(0.1 * settings.accuracy * fastest, longest=longest)
         end = after.time + flight / units.time
         budget = settings.maximum_steps // 10
         plan = Plan(end, settings.accuracy, None, longest, budget, single_contact=True)
