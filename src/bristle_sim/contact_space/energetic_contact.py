@@ -166,7 +166,6 @@ class EnergeticContact:
             contacts.motion.finish(duration)
             sequence = ImpactSequence(contacts, self.report, self.time)
             sequence.resolve()
-            contacts.jammed |= sequence.jammed
             for body in sequence.struck:
                 self.space.reindex_shapes_for_body(body)
         finally:

@@ -298,17 +298,13 @@ def allowed_part(
     return np.asarray(scale * (scaled - rigid @ (rigid.T @ scaled)))
 
 
-def close_joints(
-    bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True
-) -> None:
+def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> None:
     """Apply to bodies the velocity change of least kinetic energy after which no joint opens.
-
-    Joints at a limit are ignored unless ``with_limits`` is set.
 
     Raises:
         RuntimeError: if no set of pushing limits is found.
     """
-    rows = [row for joint in joints for row in joint_rows(joint) if with_limits or not row.limit]
+    rows = [row for joint in joints for row in joint_rows(joint)]
     if not rows:
         return
     rates, sizes = np.array([row.excess() for row in rows]).T

@@ -6,7 +6,6 @@ rest has many contacts.
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import pymunk
@@ -42,11 +41,9 @@ class RestFilter:
         resting_speed: approach speed up to which a contact is at rest, as given by the user.
         resting: largest approach speed of a contact at rest in this step; negative until the first
             contact.
-        at_rest: arbiters and rules of this step's contacts that are left to the engine.
+        at_rest: contacts of this step that are left to the engine.
         impacts: contacts of this step that the engine ignores.
         skipped: shapes of the ignored contacts.
-        jammed: shapes of contacts that jammed in the last step. They are left to the engine while
-            they last.
         motion: motion in this step of the bodies of ignored contacts and of bodies joined to them.
     """
 
@@ -55,10 +52,9 @@ class RestFilter:
         self.motion = StepMotion()
         self.resting_speed = 0.0
         self.resting = -1.0
-        self.at_rest: list[tuple[pymunk.Arbiter, CollisionRule]] = []
+        self.at_rest: list[Collision] = []
         self.impacts: list[Collision] = []
         self.skipped: set[Shapes] = set()
-        self.jammed: set[Shapes] = set()
         # Memory for the bodies of an arbiter, which exists only within a step: it cannot be copied.
         self._bodies: Any = None
 
@@ -69,10 +65,8 @@ class RestFilter:
         self._bodies = room_for_bodies()
 
     def end(self) -> None:
-        """End a step of the engine; jammed contacts that it has not found again are over."""
+        """End a step of the engine."""
         self._bodies = None
-        if self.jammed:
-            self.jammed &= {frozenset(arbiter.shapes) for arbiter, _ in self.at_rest}
 
     def clear(self) -> None:
         """Discard the contacts of the step."""
@@ -83,7 +77,7 @@ class RestFilter:
 
     def collisions(self) -> list[Collision]:
         """Return the contacts of the step, including those at rest."""
-        return [*itertools.starmap(Collision, self.at_rest), *self.impacts]
+        return self.at_rest + self.impacts
 
     def filter_impact(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
         """Let the engine resolve a contact that is at rest, or make it ignore an impact.
@@ -99,10 +93,9 @@ class RestFilter:
         raw = arbiter._arbiter
         lib.cpArbiterSetRestitution(raw, 0.0)
         approach, speeds = _approach(raw, self._bodies)
-        rests = approach <= self.resting or approach <= APPROACH_ROUNDING * speeds
-        if rests or (self.jammed and frozenset(arbiter.shapes) in self.jammed):
+        if approach <= self.resting or approach <= APPROACH_ROUNDING * speeds:
             lib.cpArbiterSetFriction(raw, rule.friction)
-            self.at_rest.append((arbiter, rule))
+            self.at_rest.append(Collision(arbiter, rule))
         else:
             self._skip(rule, arbiter)
 

@@ -17,7 +17,7 @@ from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.contact_space.joints import Connected, close_joints, joined
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.simultaneous import resolve_at_once
-from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, Shapes, TouchingPoint
+from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, TouchingPoint
 from bristle_sim.theory.impact_phases import JAM, Impact
 
 # Number of impacts at one point after which its group is resolved at once, since some sequences of
@@ -90,7 +90,6 @@ class ImpactSequence:
     Attributes:
         struck: for each body that an impact has moved, the time from its last impact to the end of
             the step.
-        jammed: shapes of contacts that no impulse can separate.
     """
 
     def __init__(
@@ -103,7 +102,6 @@ class ImpactSequence:
         self._groups = Groups(contacts.collisions())
         self._approaching: dict[TouchingPoint, None] = {}
         self.struck: dict[pymunk.Body, float] = {}
-        self.jammed: set[Shapes] = set()
 
     def resolve(self) -> None:
         """Resolve all approaching contacts, and the contacts that their impacts reach."""
@@ -131,10 +129,7 @@ class ImpactSequence:
         for point in points:
             point.measure(self._motion, since, self._latest(point))
             least = 0.0 if point.key in self._filter.skipped else self._filter.resting
-            if (
-                point.approach > max(least, APPROACH_ROUNDING * point.speed)
-                and point.key not in self.jammed
-            ):
+            if point.approach > max(least, APPROACH_ROUNDING * point.speed):
                 self._approaching[point] = None
             else:
                 self._approaching.pop(point, None)
@@ -147,7 +142,10 @@ class ImpactSequence:
         return min(self.struck.get(body, self._motion.duration) for body in point.bodies)
 
     def _strike(self, point: TouchingPoint) -> None:
-        """Resolve the impact at one point at the instant of its touch."""
+        """Resolve the impact at one point at the instant of its touch.
+
+        A jam, which the impulse at one point cannot end, is resolved with the whole group.
+        """
         point.impacts += 1
         motion = self._motion
         groups = self._groups
@@ -168,16 +166,14 @@ class ImpactSequence:
         space.apply((impact.impulse_normal, impact.impulse_tangential))
         motion.kick(bodies, steps)
         motion.drift(moved, point.time)
-        if joints and point.time:
-            close_joints(bodies, joints, with_limits=False)
-        if impact.outcome == JAM:
-            self.jammed.add(point.key)
         if self._report is not None and not rests:
             self._report(point.located(impact, self._end))
         self.struck.update(dict.fromkeys(bodies, point.time))
         self._measure(
             dict.fromkeys(each for body in bodies for each in groups.points[body]), point.time
         )
+        if impact.outcome == JAM:
+            self._strike_all(point)
 
     def _strike_all(self, point: TouchingPoint) -> None:
         """Resolve all contacts of a point's group at once, at the end of the step.
@@ -191,8 +187,7 @@ class ImpactSequence:
             reached.update(dict.fromkeys(new))
             groups.read(new)
             waiting = [end for body in new for each in groups.points[body] for end in each.bodies]
-        every = dict.fromkeys(each for body in reached for each in groups.points[body])
-        points = [each for each in every if each.key not in self.jammed]
+        points = list(dict.fromkeys(each for body in reached for each in groups.points[body]))
         impacts = resolve_at_once(points, joined(reached), self._motion, self._filter.resting)
         self.struck.update(dict.fromkeys(reached, 0.0))
         for each, impact in zip(points, impacts, strict=True):

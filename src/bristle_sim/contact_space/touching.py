@@ -36,9 +36,6 @@ HALVINGS = 4
 """Largest number of trials in the search for the instant of touch.
 
 Each trial goes back half as far as the trial before, until the shapes overlap."""
-# Largest time since a touch, over its estimate from overlap and velocity at the end of the step.
-FARTHER = 1.5
-
 Shapes = frozenset[pymunk.Shape]
 
 _BODY = ffi.typeof("cpBody *[1]")
@@ -303,7 +300,7 @@ class TouchingPoint:
             if after and half and half.depth > 0.0:
                 growth = after.depth - half.depth
                 touch = 0.5 * time * after.depth / growth if growth > 0.0 else math.inf
-                self.time = min(touch, FARTHER * time, latest)
+                self.time = min(touch, latest)
                 self.overlap = after.ahead(half, 2.0 * self.time / time)
                 self.drift = 2.0 * growth / time
                 motion.drift(bodies, 0.5 * time - self.time)
