@@ -116,7 +116,7 @@ def validate(instance: Any) -> None:
         given = getattr(instance, name)
         if given is None and declared.optional:
             continue
-        value = declared.parse(given) if isinstance(given, str) else declared.check(given)
+        value = declared.parse(given)
         object.__setattr__(instance, name, value)
         if value != default and (line := unusual_value(declared, default, value, given)):
             warnings.warn(line, UnusualValueWarning, stacklevel=4)

@@ -84,16 +84,18 @@ class Range:
         bare = typed is not None and not typed["unit"]
         return f"{text.strip()} {self.display[0]}".rstrip() if bare else text
 
-    def parse(self, text: str) -> float:
+    def parse(self, text: Any) -> float:
         """Return the value of a typed number in the declared unit, after a check of its range.
 
         A number with a unit, such as ``27mm``, is converted. A number without a unit is taken to be
-        in the declared unit.
+        in the declared unit. A value that is no text is checked alone.
 
         Raises:
             ValueError: in one line, if the text is no decimal number, its unit has another
                 dimension, or its value is out of range.
         """
+        if not isinstance(text, str):
+            return self.check(text)
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])
         meant = text.strip().replace(",", "" if GROUPED.match(text.strip()) else ".")

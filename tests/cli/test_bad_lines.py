@@ -132,7 +132,7 @@ def test_a_line_is_refused_in_one_line(
 ):
     """Before anything is computed, if the line alone says that it is wrong."""
     if (line, words) in REFUSED:
-        monkeypatch.setattr(Scenario, "answer", lambda *_: pytest.fail("ran"))
+        monkeypatch.setattr(Scenario, "built", lambda *_: pytest.fail("ran"))
     before = {path: path.is_symlink() or path.read_text() for path in folder.iterdir()}
     assert command.main(shlex.split(line)) == 2
     out, err = capsys.readouterr()

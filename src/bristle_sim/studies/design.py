@@ -27,7 +27,6 @@ from bristle_sim.studies.many_passes import (
     Check,
     checked_by_scene,
     checked_range,
-    number_of,
 )
 from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
 from bristle_sim.units import Range, likely_key, shown
@@ -158,8 +157,8 @@ def design(
             raise ValueError(f"{key} = {shown(limits[key])}: must be above the range's lower end")
         ranges[key] = (low, min(high, most))
         del limits[key]
-    wants = {name: number_of(_declared(name), value) for name, value in (want or {}).items()}
-    highest = {name: number_of(_declared(name), value) for name, value in limits.items()}
+    wants = {name: _declared(name).parse(value) for name, value in (want or {}).items()}
+    highest = {name: _declared(name).parse(value) for name, value in limits.items()}
     for name in wants.keys() & highest.keys():
         most = highest.pop(name)
         if wants[name] > most:

@@ -23,7 +23,7 @@ from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.whole_pass import QUANTITIES, measures_of
-from bristle_sim.units import Choice, Range, likely_key, shown
+from bristle_sim.units import Choice, likely_key, shown
 
 ENTRY = "entry_angle"
 OUTCOME = "outcome"
@@ -79,19 +79,10 @@ def checked_range(tool: Tool, key: str, ends: Any) -> tuple[float, float]:
         raise ValueError(
             f"{key} = {shown(ends)}: must be the two ends of a range, FROM:TO, such as 0.1:0.6"
         )
-    low, high = sorted(number_of(declared, each) for each in given)
+    low, high = sorted(float(declared.parse(each)) for each in given)
     if low == high:
         raise ValueError(f"{key} = {shown(ends)}: must be two different ends of a range")
     return low, high
-
-
-def number_of(declared: Range, value: Any) -> float:
-    """Return a value, a number or a text with a unit, as a number in the declared unit.
-
-    Raises:
-        ValueError: for a value that is refused.
-    """
-    return float(declared.parse(value) if isinstance(value, str) else declared.check(value))
 
 
 def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, NDArray[Any]]:
