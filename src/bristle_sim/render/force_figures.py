@@ -15,7 +15,6 @@ from bristle_sim.render.style import (
     add_right_scale,
     blank_figure,
     draw_zero,
-    note,
     styled,
 )
 from bristle_sim.studies.force_comparison import ForceComparison
@@ -99,13 +98,13 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
     passes = whole.period * np.arange(PASSES)[:, np.newaxis]
     time = MILLISECONDS * (passes + series["time (s)"]).ravel()
     low, high = np.percentile(force, BAND)
+    levels = {"5 %": low, "mean": force.mean(), "95 %": high}
     axes.axhspan(low, high, color=SKY, alpha=0.35, linewidth=0.0)
     axes.plot(time, np.tile(force, PASSES), color=BLUE)
-    axes.axhline(force.mean(), color=BLACK, linewidth=0.8)
-    end = MILLISECONDS * PASSES * whole.period
-    for level, name in ((high, "95 %"), (float(force.mean()), "mean"), (low, "5 %")):
-        note(axes, f"{name}:\n{level:.2f} N", (end, level), (3.0, 0.0), ha="left", va="center")
-    axes.set_xlim(0.0, end)
+    axes.axhline(levels["mean"], color=BLACK, linewidth=0.8)
+    words = [f"{name}:\n{level:.2f} N" for name, level in levels.items()]
+    axes.secondary_yaxis("right").set_yticks(list(levels.values()), words)
+    axes.set_xlim(0.0, MILLISECONDS * PASSES * whole.period)
     axes.margins(y=0.15)
     return figure
 

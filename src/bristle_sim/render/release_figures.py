@@ -18,7 +18,6 @@ from bristle_sim.render.style import (
     add_panel,
     blank_figure,
     draw_zero,
-    name_above,
     note,
     styled,
 )
@@ -63,21 +62,16 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
         instants = np.linspace(0.0, timing.formula.cue_time, POINTS)
         motion = released_motion(timing.tool, timing.retraction, instants)
         lines["quasi-static formula"] = (VERMILION, "--", instants, *motion)
-    latest = max(float(time[-1]) for _, _, time, *_ in lines.values())
     for name, (color, style, instants, angle, rate) in lines.items():
-        cued = float(instants[-1]) * MILLISECONDS
+        time = instants * MILLISECONDS
+        label = f"{name}:\n{rate[-1]:.1f} rad/s after {time[-1]:.4g} ms"
         for axes, values in ((retraction, np.degrees(angle)), (speed, rate)):
-            axes.plot(instants * MILLISECONDS, values, style, color=color, label=name)
-            axes.axvline(cued, color=color, linewidth=0.8, linestyle=":")
-        # The label of the earlier cue is on its left, that of the later cue on its right.
-        side, ha = (4.0, "left") if instants[-1] == latest else (-4.0, "right")
-        words = f"cue time\n{cued:.4g} ms,\n{rate[-1]:.1f} rad/s"
-        note(speed, words, (cued, 0.0), (side, 4.0), color=color, ha=ha, va="bottom")
-    retraction.set_xlim(0.0, 1.38 * latest * MILLISECONDS)
-    name_above(retraction)
+            axes.plot(time, values, style, color=color, label=label)
+            axes.axvline(time[-1], color=color, linewidth=0.8, linestyle=":")
     draw_zero(retraction)
     retraction.tick_params(labelbottom=False)
-    speed.set_ylim(bottom=0.0)
+    speed.set(xlim=(0.0, None), ylim=(0.0, None))
+    speed.legend(loc="lower right", frameon=True, edgecolor="none")
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> None:
@@ -115,29 +109,26 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     """Draw retraction (degrees) over the turn of the hub, and relative rate (rad/s) over
     retraction.
     """
-    figure = blank_figure(16.0, 8.2)
-    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction")
+    figure = blank_figure(16.0, 8.6)
+    turn = add_panel(figure, (1.5, 1.9, 6.2, 5.6), "retraction")
     turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
-    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub")
+    phase = add_panel(figure, (9.5, 1.9, 6.2, 5.6), "rate relative to the hub")
     phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
     contact = driven.pass_with_bar.first_contact("workpart")
     end = "no strike"
     if contact is not None:
         end = f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
-    runs = [(driven.pass_with_bar, BLUE, "bar-cued", end)]
+    runs = [(driven.pass_with_bar, BLUE, f"bar-cued: {end}")]
     if driven.radial is not None:
         end = f"{driven.radial.tip_speed[-1]:.1f} m/s when radial"
-        runs.append((driven.radial, VERMILION, "thrown by its inertia", end))
-    for run, color, name, words in runs:
+        runs.append((driven.radial, VERMILION, f"thrown by its inertia: {end}"))
+    look: Look = {"marker": "o", "markevery": [-1], "markersize": 4.0}
+    for run, color, name in runs:
         course = run.course()
         turned, retraction = np.degrees([course.hub_angle - run.hub_angle[0], course.retraction])
-        speed = course.relative_rate
-        for axes, x, y in ((turn, turned, retraction), (phase, retraction, speed)):
-            axes.plot(x, y, color=color, marker="o", markevery=[-1], markersize=4.0, label=name)
-            draw_zero(axes)
-        ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
-        place = (retraction[-1], speed[-1])
-        note(phase, words, place, (6.0, 5.0), color=color, bbox=ground)
-    phase.margins(x=0.05, y=0.12)
-    name_above(turn)
+        turn.plot(turned, retraction, color=color, label=name, **look)
+        phase.plot(retraction, course.relative_rate, color=color, **look)
+    for axes in (turn, phase):
+        draw_zero(axes)
+    figure.legend(handles=turn.lines[: len(runs)], loc="lower center", ncols=2)
     return figure
