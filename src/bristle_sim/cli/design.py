@@ -15,7 +15,7 @@ from bristle_sim.cli.main import MISSED
 from bristle_sim.cli.options import Content, add_options, deliver, files_of
 from bristle_sim.cli.output import json_of, print_error
 from bristle_sim.cli.scenario import Scenario, build_parameters
-from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.parameters import Tool, key_declarations
 from bristle_sim.readable import aligned, readable_unit
 from bristle_sim.studies.design import Design, design
 from bristle_sim.tool_file import write_tool
@@ -54,7 +54,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         minimize=options.minimize,
         maximize=options.maximize,
     )
-    keys = {key for part in tool_keys().values() for key in part}
+    keys = key_declarations()
     text = json_of(
         "design",
         found.answer,

@@ -267,6 +267,11 @@ def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
     }
 
 
+def key_declarations() -> dict[str, Range | Choice]:
+    """Return the declaration of each key of a tool."""
+    return {key: each for keys in tool_keys().values() for key, (_, each) in keys.items()}
+
+
 def key_unit(key: str) -> str:
     """Return the unit in which the value of a tool's key is declared, for example ``m``."""
-    return next(keys[key][1].unit for keys in tool_keys().values() if key in keys)
+    return key_declarations()[key].unit

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.declared import UnusualValueWarning
-from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.parameters import Tool, key_declarations
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.passes.result import Ensemble
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED
@@ -68,7 +68,7 @@ def checked_range(tool: Tool, key: str, ends: Any) -> tuple[float, float]:
     """
     if reason := unable(tool):
         raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
-    keys = {name: each for part in tool_keys().values() for name, (_, each) in part.items()}
+    keys = key_declarations()
     if key not in keys:
         raise ValueError(f"unknown key {shown(key)}; {likely_key(key, keys)}")
     declared = keys[key]

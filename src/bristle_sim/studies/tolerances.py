@@ -18,8 +18,10 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import os
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,13 +32,13 @@ from scipy.stats.qmc import Sobol
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
+from bristle_sim.parameters import Sampling, Spreads, Tool, key_declarations
+from bristle_sim.passes.request import key_values
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene, unable
+from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene
 from bristle_sim.studies.strike_measures import IMPACT, STATE
 from bristle_sim.studies.strike_point import STRIKE_UNITS, strikes_of_keys
-from bristle_sim.units import Range
 
 Measures = Mapping[str, NDArray[Any]]
 
@@ -71,21 +73,32 @@ class Study:
     first_order_interval: Array
     total_interval: Array
 
-    def rows(self, propagated_std: Mapping[str, float]) -> list[dict[str, Any]]:
+    def rows(self, changes: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
         """Return one row of plain numbers for each output: mean, standard deviation, 95 % range and
         indices.
 
-        ``propagated_std`` holds the standard deviations by first-order error propagation.
+        ``changes`` are the effects of each input on each output, by first-order error propagation.
         """
         names = ("first_order", "first_order_interval", "total", "total_interval")
         found = []
         for number, (output, values) in enumerate(zip(self.outputs, self.values, strict=True)):
             low, high = np.percentile(values, ENDS).tolist()
-            row = {"output": output, "mean": float(values.mean()), "std": float(values.std(ddof=1))}
-            row |= {"std_first_order": propagated_std.get(output), "low": low, "high": high}
-            columns = (getattr(self, name)[number].tolist() for name in names)
-            indices = [dict(zip(names, each, strict=True)) for each in zip(*columns, strict=True)]
-            found.append(row | {"indices": dict(zip(self.inputs, indices, strict=True))})
+            parts = changes.get(output)
+            indices = {
+                key: {name: getattr(self, name)[number, place].tolist() for name in names}
+                for place, key in enumerate(self.inputs)
+            }
+            found.append(
+                {
+                    "output": output,
+                    "mean": float(values.mean()),
+                    "std": float(values.std(ddof=1)),
+                    "std_first_order": parts and math.hypot(*parts.values()) / math.sqrt(3.0),
+                    "low": low,
+                    "high": high,
+                    "indices": indices,
+                }
+            )
         return found
 
 
@@ -102,41 +115,28 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     intervals = _intervals(tool, spreads)
     function = functools.partial(strikes_of_keys, settings, tool)
     study = sobol_study(function, intervals, OUTPUTS, sampling.samples, seed=sampling.seed)
-    changes = propagated(function, intervals)
-    std = {
-        name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0)
-        for name, parts in changes.items()
-    }
-    rows = study.rows(std)
+    rows = study.rows(propagated(function, intervals))
     quantities = []
     for row in rows:
         name = row["output"]
-        unit = STRIKE_UNITS[row["output"]]
+        unit = STRIKE_UNITS[name]
         quantities.append(Quantity(f"{name}_mean", unit, row["mean"]))
         quantities.append(Quantity(f"{name}_std", unit, row["std"], row["std_first_order"]))
+    # The tool itself and random points of the intervals
+    fractions = np.append(0.5, np.random.default_rng(1).uniform(size=CHECKED_POINTS))
+    points = {
+        key: low + (high - low) * np.roll(fractions, number)
+        for number, (key, (low, high)) in enumerate(intervals.items())
+    }
+    check = checked_by_scene(tool, settings, points)
     return Report(
         quantities=tuple(quantities),
         wall_s=clock.perf_counter() - started,
         remarks=_remarks(rows),
         extra={"rows": rows},
         subject=study,
-        answer=f"{answer(rows)}; {_check(tool, settings, intervals)}.",
+        answer=f"{answer(rows)}; {check}.",
     )
-
-
-def _check(tool: Tool, settings: Settings, intervals: Mapping[str, tuple[float, float]]) -> str:
-    """Return in words how well single simulations agree, for the tool itself and at random points
-    of the intervals.
-    """
-    if reason := unable(tool):
-        return f"by the scene, as {reason}"
-    random = np.random.default_rng(1).uniform(size=CHECKED_POINTS)
-    fractions = np.append(0.5, random)
-    points = {
-        key: low + (high - low) * np.roll(fractions, number)
-        for number, (key, (low, high)) in enumerate(intervals.items())
-    }
-    return str(checked_by_scene(tool, settings, points))
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -182,18 +182,15 @@ def propagated(
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
     """Return the ends of every input's interval, limited to the range that the input may have."""
-    found = dict[str, tuple[float, float]]()
-    places = {
-        key: (part, *place) for part, keys in tool_keys().items() for key, place in keys.items()
-    }
+    declared = key_declarations()
+    found = {}
     for key, half_width in dataclasses.asdict(spreads).items():
-        part, name, declared = places[key]
         if half_width:
-            assert isinstance(declared, Range)
-            middle = float(getattr(getattr(tool, part) if part else tool, name))
+            middle = key_values(tool)[key]
+            bounds: Any = declared[key]
             found[key] = (
-                max(declared.lowest, middle - half_width),
-                min(declared.highest, middle + half_width),
+                max(bounds.lowest, middle - half_width),
+                min(bounds.highest, middle + half_width),
             )
     if not found:
         raise ValueError("spread_...: at least one must be more than 0, or nothing is spread")
@@ -205,14 +202,13 @@ def _remarks(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
         "theory: first-order error propagation; the inputs that matter most, by their total Sobol index with its 95 % interval:"
     ]
     for row in rows:
-        first = ", ".join(_index_in_words(key, row["indices"][key]) for key in _ranked(row)[:3])
-        lines.append(f"{row['output'].removesuffix('_at_contact'):<20} {first}")
+        first = []
+        for key in _ranked(row)[:3]:
+            index = row["indices"][key]
+            low, high = index["total_interval"]
+            first.append(f"{key} {index['total']:.2f}±{0.5 * (high - low):.2f}")
+        lines.append(f"{row['output'].removesuffix('_at_contact'):<20} {', '.join(first)}")
     return tuple(lines)
-
-
-def _index_in_words(key: str, indices: Mapping[str, Any]) -> str:
-    low, high = indices["total_interval"]
-    return f"{key} {indices['total']:.2f}±{0.5 * (high - low):.2f}"
 
 
 def _ranked(row: Mapping[str, Any]) -> list[str]:
@@ -251,10 +247,16 @@ def sobol_study(
     first, second = low + (high - low) * fractions
     mixed = np.tile(first, (inputs, 1, 1))
     mixed[np.arange(inputs), np.arange(inputs)] = second
-    points = dict(zip(intervals, np.concatenate([first, second, *mixed], axis=1), strict=True))
-    found = function(**points)
-    _require_results(found, points, outputs)
-    values = np.array([found[name] for name in outputs]).reshape(len(outputs), inputs + 2, samples)
+
+    def at(sample: Array) -> Array:
+        """Return the outputs at the points of a sample, shape (outputs, samples)."""
+        points = dict(zip(intervals, sample, strict=True))
+        found = function(**points)
+        _require_results(found, points, outputs)
+        return np.array([found[name] for name in outputs])
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        values = np.stack([*pool.map(at, [first, second, *mixed])], axis=1)
 
     def indices(chosen: slice) -> Array:
         """Return first-order and total indices from some points of each sample, shape (2, outputs,
