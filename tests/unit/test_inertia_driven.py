@@ -99,6 +99,15 @@ def test_scene_theory_and_reference_agree_with_an_integration(ratio):
         )
 
 
+def test_the_tip_of_a_bent_bristle_is_where_its_knee_puts_it():
+    """Three quarters of the length, then a quarter at 30 deg: its end turns about the root at 2 omega, as a straight one does."""
+    found = inertia_driven(Tool(bristle=Bristle(knee_angle_deg=30.0)), FINE, with_reference=False)
+    tip = 0.027 * complex(0.75 + 0.25 * math.cos(math.pi / 6.0), 0.25 * math.sin(math.pi / 6.0))
+    speed = next(each for each in found.quantities if each.name == "tip_speed_at_radial")
+    assert speed.simulated == pytest.approx(SPEED * abs(0.0275 + 2.0 * tip), rel=1e-8)
+    assert speed.ok
+
+
 def test_an_overdamped_bristle_creeps_and_a_fast_one_lies_down():
     for tool in (
         Tool(belt=Belt(stiffness=STIFFNESS, damping_ratio=1.5)),

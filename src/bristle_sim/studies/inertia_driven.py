@@ -204,7 +204,8 @@ def _theory(tool: Tool, strike_speed: float | None) -> Values:
     """
     if tool.belt_damping:
         return {}
-    reach = 2.0 * tool.bristle.length + tool.hub.radius
+    # When the bristle is radial again, it turns at twice the pulley's speed about its root.
+    reach = abs(tool.hub.radius + 2j * complex(*tool.bristle.tip))
     speed = tool.hub.speed
     drive = (
         tool.bristle.inertia_about_root,
