@@ -277,6 +277,26 @@ class TestStick:
         assert short.impulse == short.compressive_impulse == pytest.approx(limit.impulse, rel=1e-3)
         assert "compression stick" in long.phases
 
+    def test_of_a_tip_that_begins_without_slip(self) -> None:
+        """It sticks where friction suffices, and slips at once in the sense in which it is driven where not."""
+        random = np.random.default_rng(5)
+        slips = 0
+        for _ in range(12):
+            first, second = random.uniform(-1.2, 1.2, 2).tolist()
+            rate = random.uniform(-2.0, 2.0)
+            other = -rate * math.cos(first) / math.cos(second)
+            approach = rate * math.sin(first) + other * math.sin(second)
+            rates = (rate, other) if approach < 0.0 else (-rate, -other)
+            chain = Chain((random.uniform(0.2, 5.0), 1.0), (1.0, 1.0), (first, second), rates)
+            surface = Surface(random.uniform(0.05, 1.0), None, random.uniform(0.1, 1.0))
+            limit = strike(chain, surface, Contact(), Settings()).contact
+            short = found(chain, surface, None)
+            assert short.outcome == limit.outcome
+            size = max(map(abs, limit.rates_after))
+            assert short.rates_after == pytest.approx(limit.rates_after, abs=3e-5 * size)
+            slips += limit.phases[0].endswith("slip")
+        assert 3 <= slips <= 9
+
     @pytest.mark.parametrize("links", [1, 2, 3])
     def test_stays_within_the_friction_cone(self, links: int) -> None:
         """But for the accuracy, 1e-7, to which the instant is located where stick ends: ten times that of the peak."""

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.contact import sums_of
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, WorkpartPair
 from bristle_sim.scene.rigid import RigidContacts
@@ -49,3 +50,40 @@ def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
         )
         rigid.set_slip(state, contact, 1e-6)
         assert contact.slip == -1
+
+
+@pytest.mark.parametrize("slip", [1, -1])
+def test_the_compliance_in_slip_is_that_over_a_free_rods(slip: int) -> None:
+    """The tip of a rod at the angle a has the levers sin a and cos a: (sin - mu s cos) sin/(m L^2/3) with the joint, and
+    (1 + 12 sin^2/4)/m without."""
+    angle = 0.7
+    state = State(0.0, (angle,), (0.0,))
+    pair = WorkpartPair(math.cos(angle), 0.4, 0.4, 0.0)
+    contact, rigid = closed(ROD, pair, state)
+    contact.slip = slip
+    sine = math.sin(angle)
+    joined = 1.5 * sine * (sine - 0.4 * slip * math.cos(angle))
+    free = 0.5 * (1.0 + 3.0 * sine**2)
+    assert rigid.compliance_in_slip(state, 0) == pytest.approx(joined / free, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("pushes", "force"), [((3.0, 4.0, 5.0), 5.0), ((3.0, -1.0, 5.0), -1.0), ((-2.0, -1.0), -1.0)]
+)
+def test_the_normal_force_is_the_last_or_the_last_that_would_pull(
+    pushes: tuple[float, ...], force: float
+) -> None:
+    """Per step of 0.5 the impulses are half the forces; the contact fails if one would pull."""
+    state = State(0.0, (0.7,), (0.0,))
+    _, rigid = closed(ROD, WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.0), state)
+    rigid.begin(0.5)
+    rigid.scene.engine.joint_solver.impulses += [
+        [(0.5 * push, -0.1 * push, 0.2)] for push in pushes
+    ]
+    totals = rigid.totals()
+    assert rigid.normal(totals) == [pytest.approx(force)]
+    assert rigid.fails(totals) is (force < 0.0)
+    sums = sums_of(totals, 0)
+    assert sums.tangential == pytest.approx(-0.2 * pushes[-1])
+    assert sums.impulse_normal == pytest.approx(0.5 * sum(pushes))
+    assert sums.work_tangential == pytest.approx(-0.02 * sum(pushes))

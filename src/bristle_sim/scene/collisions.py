@@ -127,10 +127,11 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
     """
     lasting = {contact.pair: contact for contact in motion.ordered}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
+    slow = system.slow  # of the motion before further impacts, which may bring all links to rest
     for _ in range(MOST_IMPACTS_AT_ONCE * len(closed) ** 2):
         rates = {pair: system.approach(pair) for pair in closed}
         fastest = min(rates, key=rates.__getitem__)
-        if rates[fastest] >= -system.slow:
+        if rates[fastest] >= -slow:
             break
         if _resolve(system, fastest, rests=False).outcome == Outcome.JAM:
             jam(system, fastest)
@@ -138,7 +139,7 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
     else:
         jam(system, fastest)
         return Motion(motion.contacts)
-    leaving = tuple(pair for pair in closed if rates[pair] > system.slow)
+    leaving = tuple(pair for pair in closed if rates[pair] > slow)
     released = [contact for pair, contact in lasting.items() if pair in leaving]
     end_contacts(system, motion.contacts, released, touched.name)
     name_releases(system, released)
@@ -156,11 +157,8 @@ def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact
     The impact changes the velocities of their contact points.
     """
     for spring in motion.springs:
-        approach = system.approach(spring.pair)
-        if spring.at_rest and approach < 0.0:
-            spring.deepest = None
         spring.at_rest = False
-        if spring.loading and approach > 0.0:
+        if spring.loading and system.approach(spring.pair) > 0.0:
             spring.unload(spring.penetration(system.gaps, system.state))
         look_up_slip(system, motion, spring)
     return tuple(motion.springs)

@@ -56,23 +56,18 @@ class SpringForce:
         height = spring.surface - spring.residual - spring.pair.depth - spring.pair.dent
         foot = spring.foot
         ratio = -spring.friction * spring.slip
-        stop = rigidity = 0.0
+        stop_slip = stop_normal = rigidity = 0.0
         if spring.elastic and not spring.slip:
             rigidity = spring.law.stiffness / spring.law.compliance
-        at_rest = spring.at_rest
         normal_gain, coupling = spring.inverse_mass[0]
-        if at_rest:
+        if spring.at_rest:
             ratio = -normal_gain / coupling
-            stop = 1.0 / (coupling * step)
+            stop_normal = 1.0 / (coupling * step)
         elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
             ratio = -coupling / tangential
-            stop = 1.0 / (tangential * step)
+            stop_slip = 1.0 / (tangential * step)
         pushes = loss = heat = 0.0
         rubs: list[float] = []
-
-        def friction(normal: float, x: float, u: float, v: float) -> float:
-            """Return the tangential force at the place x and the velocity (u, v)."""
-            return ratio * normal - stop * (v if at_rest else u) - rigidity * (x - foot)
 
         def act() -> None:
             """Apply the force of this step, and add its impulse and work to the totals."""
@@ -84,7 +79,7 @@ class SpringForce:
             u = velocity.x
             v = velocity.y
             normal = stiffness * (height - y)
-            along = friction(normal, x, u, v)
+            along = ratio * normal - stop_slip * u - stop_normal * v - rigidity * (x - foot)
             push((along, normal), (x, y))
             pushes += normal
             loss += normal * v
@@ -96,7 +91,8 @@ class SpringForce:
             place = place_of()
             velocity = velocity_of()
             normal = stiffness * (height - place.y)
-            along = friction(normal, place.x, velocity.x, velocity.y)
+            along = ratio * normal - stop_slip * velocity.x - stop_normal * velocity.y
+            along -= rigidity * (place.x - foot)
             impulse = (step * pushes, step * sum(rubs))
             return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
 
