@@ -37,7 +37,7 @@ REFUSED = [
     ("cue_and_impact --video a.gif --size 0x0", "--size: '0x0': must be 16 to 8192 along either edge (in px)"),
     ("cue_and_impact --video a.gif --fps 0", "--fps: '0': must be a finite number above 0 (in 1/s)"),
     (f"cue_and_impact --json {'a' * 300}", "must be a file name of at most 255 bytes"),
-    ("cue_and_impact --size 640x480", "--size, --fps: must be given with --video"),
+    ("cue_and_impact --size 640x480", "--size: must be given with --video"),
     ("cue_and_impact --plot a.bmp", "--plot = 'a.bmp': must be a file name that ends in .png, .svg, .pdf"),
     ("cue_and_impact --video a", "--video = 'a': must be a file name that ends in .mp4, .gif"),
     ("cue_and_impact --report a.pdf", "--report = 'a.pdf': must be a file name that ends in .html"),

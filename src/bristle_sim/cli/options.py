@@ -21,6 +21,11 @@ KINDS = {
 }  # fmt: skip
 """File suffixes that each option accepts; an empty tuple accepts any suffix."""
 
+NEEDED = {
+    "fps": "video", "interval": "csv", "quantity": "sweep", "size": "video", "store": "sweep", "workers": "sweep",
+}  # fmt: skip
+"""Options that have an effect with another option alone, and that option."""
+
 ON_STANDARD_OUTPUT = ("json", "csv")  # options for which the value - means standard output
 
 
@@ -115,25 +120,22 @@ def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) 
     """
     if sys.stdout is None:
         raise OSError("standard output: must be open")
-    of_sweep = (options.workers is not None, options.store is not None, bool(options.quantity))
-    if not options.sweep and any(of_sweep):
-        raise ValueError("--workers, --store, --quantity: must be given with --sweep")
+    given = {name for name, value in vars(options).items() if value not in (None, [])}
+    for name, other in NEEDED.items():
+        if name in given and other not in given:
+            raise ValueError(f"{flag(name)}: must be given with {flag(other)}")
+    for name in ("interval", "report", "video", "write_tool"):
+        if {name, "sweep"} <= given:
+            raise ValueError(f"{flag(name)}: must be left out with --sweep")
     if options.json == options.csv == "-":
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
-    if options.video is None and (options.size, options.fps) != (None, None):
-        raise ValueError("--size, --fps: must be given with --video")
-    if options.interval is not None and (options.csv is None or options.sweep):
-        raise ValueError("--interval: must be given with --csv, and without --sweep")
     found = files_of(options, [*scenario.formats], folder=scenario.plots is not None)
-    for name in ("video", "report", "write_tool"):
-        if options.sweep and name in found:
-            raise ValueError(f"{flag(name)}: must be left out with --sweep")
-    named = [("--parameters", options.parameters)]
+    named = {"--parameters": options.parameters}
     for key, (declared, _) in scenario.keys().items():
         if declared.unit == "file":
-            named.append((key, values[key]))
+            named[key] = values[key]
     seen = dict[str, str]()
-    for option, path in [*named, *((flag(name), path) for name, path in found.items())]:
+    for option, path in {**named, **{flag(name): path for name, path in found.items()}}.items():
         if path is not None and not is_special(Path(path)):
             place = os.path.realpath(path)
             if place in seen:
