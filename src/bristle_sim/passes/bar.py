@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, Number
 from bristle_sim.passes.motion import Pose, free_acceleration, pose_of, sine_and_cosine
 from bristle_sim.passes.state import Chosen, Passes
 
@@ -29,28 +29,23 @@ def half_turn(angle: Array) -> Array:
     return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
 
 
-def half_window(radius: Array, distance: Array, reach: Array) -> Array:
-    """Return the largest hub angle |chi| from the bar's direction, rad, at which a wire reaches the
-    bar.
+def half_window(radius: Array, distance: Array, square: Array) -> Array:
+    """Return the largest hub angle |chi| from the bar's direction, rad, at which D^2 is at most
+    ``square``.
 
-    At this angle D = 1 + R. The value is -1 for a wire that never reaches the bar.
+    The wire reaches the bar where D <= 1 + R, and with its flank rather than its end where D^2 <= 1
+    + R^2. The value is -1 if D^2 is larger at every hub angle.
     """
-    room = radius**2 + distance**2 - (1.0 + reach) ** 2
+    room = radius**2 + distance**2 - square
     double = 2.0 * radius * distance
     cosine = np.divide(room, double, out=np.where(room > 0.0, 2.0, -1.0), where=double > 0.0)
     return np.where(cosine > 1.0, -1.0, np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
 def flank_window(passes: Passes) -> Array:
-    """Return the largest hub angle |chi| from the bar's direction, rad, at which the bar touches
-    the wire's flank rather than its end.
-
-    At this angle D^2 = 1 + R^2.
-    """
-    room = passes.radius**2 + passes.bar_distance**2 - 1.0 - passes.reach**2
-    double = 2.0 * passes.radius * passes.bar_distance
-    cosine = np.divide(room, double, out=np.where(room > 0.0, 1.0, -1.0), where=double > 0.0)
-    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    """Return the largest hub angle |chi| at which the bar touches the wire's flank, rad, at least 0."""
+    square = 1.0 + passes.reach**2
+    return np.maximum(half_window(passes.radius, passes.bar_distance, square), 0.0)
 
 
 def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
@@ -119,10 +114,10 @@ class Levers(NamedTuple):
         side: 1 for a wire behind the bar, which holds it back, and -1 for a wire ahead of it.
     """
 
-    normal: Array
-    tangential: Array
-    normal_velocity: Array
-    tangential_velocity: Array
+    normal: Number
+    tangential: Number
+    normal_velocity: Number
+    tangential_velocity: Number
     side: Array
 
 
@@ -133,19 +128,14 @@ def levers(passes: Passes, pose: Pose) -> Levers:
     Both have a normal and a tangential component. The normal points from the bar to the wire; the tangent is the normal turned clockwise.
     """
     near = closest(passes, pose)
-    normal_x = -near.x / near.distance
-    normal_y = -near.y / near.distance
-    arm_x = near.along * pose.sine - passes.wire_radius * normal_x
-    arm_y = -near.along * pose.cosine - passes.wire_radius * normal_y
-    root_x = passes.radius * pose.hub_cosine
-    root_y = passes.radius * pose.hub_sine
-    normal = arm_x * normal_y - arm_y * normal_x
-    tangential = -arm_x * normal_x - arm_y * normal_y
-    spin = 1.0 + pose.rate
-    normal_velocity = root_x * normal_x + root_y * normal_y + spin * normal
-    tangential_velocity = root_x * normal_y - root_y * normal_x + spin * tangential
+    normal = -(near.x + 1j * near.y) / near.distance
+    arm = near.along * (pose.sine - 1j * pose.cosine) - passes.wire_radius * normal
+    root = passes.radius * (pose.hub_cosine + 1j * pose.hub_sine)
+    # in the axes of the normal and of the tangent, which is -i times the normal
+    lever = 1j * arm * np.conj(normal)
+    velocity = root * np.conj(normal) + (1.0 + pose.rate) * lever
     side = np.where(pose.sine * near.y + pose.cosine * near.x >= 0.0, 1.0, -1.0)
-    return Levers(normal, tangential, normal_velocity, tangential_velocity, side)
+    return Levers(lever.real, -lever.imag, velocity.real, -velocity.imag, side)
 
 
 class Lying(NamedTuple):

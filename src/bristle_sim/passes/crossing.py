@@ -80,7 +80,7 @@ def root(
             low = np.where(above, low, place)
             high = np.where(above, place, high)
             place = place - step
-            found[numbers[going]] = np.clip(place, low, high)[going]
+            found[numbers[going]] = np.minimum(np.maximum(place, low), high)[going]
             move = np.abs(step)
             close = (move * secant < error * width**2) & (
                 np.maximum(move, secant) < LAST_MOVE * width

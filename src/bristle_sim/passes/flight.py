@@ -42,10 +42,6 @@ EDGE = 1e-9  # tolerance, rad, within which a hub angle counts as inside the bar
 MINIMUM_ERROR = 1e-8  # largest error of the place of a minimum, over its segment
 BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index, the indices of its two ends
 
-Gap = Callable[[Array], tuple[Array, Array]]
-Gaps = Callable[[Chosen], Gap]
-"""Gap and its rate as a function of the hub's turn, rad, and such functions for some passes."""
-
 
 class Samples(NamedTuple):
     """Motion at the ends of a turn's segments, in arrays of shape (segments + 1, passes): the hub's
@@ -55,19 +51,6 @@ class Samples(NamedTuple):
     turn: Array
     angle: Array
     rate: Array
-
-
-class Search(NamedTuple):
-    """The instant in a turn at which each gap first closes, and the closest near miss before it.
-
-    Attributes:
-        place: turn of the hub up to the closing, rad; infinite if the gap stays open.
-        margin: smallest minimum of the gap before the closing, over the bristle's length; infinite
-            if the gap has no minimum.
-    """
-
-    place: Array
-    margin: Array
 
 
 def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
@@ -87,10 +70,10 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
     margin = np.full(passes.size, np.inf)
     for obstacle, chosen in ((WORKPART, low(passes, samples)), (BAR, near)):
         leaving = (passes.touching > 0.0) & (obstacle == BAR)
-        search = first_closing(obstacle, passes, course.motion, samples, chosen, leaving)
-        margin = np.minimum(margin, search.margin)
-        kind[search.place <= place] = obstacle
-        place = np.minimum(place, search.place)
+        closing, least = first_closing(obstacle, passes, course.motion, samples, chosen, leaving)
+        margin = np.minimum(margin, least)
+        kind[closing <= place] = obstacle
+        place = np.minimum(place, closing)
     folded = np.abs(samples.angle) > 0.5 * np.pi
     if folded.any():
         kind[(folded & (samples.turn <= place)).any(axis=0)] = FOLDS
@@ -128,11 +111,12 @@ def low(passes: Passes, samples: Samples) -> Chosen:
     """Return the indices of the wires whose tip may reach the workpart during a step.
 
     Root and tip are at their lowest where the hub angle and the wire's absolute angle are nearest
-    to zero. Between two samples an angle moves by less than at its largest rate.
+    to zero. Between samples three segments apart an angle moves by less than at its largest rate.
     """
     turn = 0.5 * samples.turn[-1]
-    most, least = samples.angle.max(axis=0), samples.angle.min(axis=0)
-    slack = 2.0 * SEGMENT * turn * np.abs(samples.rate).max(axis=0)
+    angles = samples.angle[::3]
+    most, least = angles.max(axis=0), angles.min(axis=0)
+    slack = 3.0 * SEGMENT * turn * np.abs(samples.rate).max(axis=0)
     middle = passes.hub_angle + turn
     aside = np.abs(half_turn(middle)) - turn
     tilt = np.abs(half_turn(middle + 0.5 * (most + least))) - turn - slack - 0.5 * (most - least)
@@ -158,7 +142,7 @@ def first_closing(
     samples: Samples,
     chosen: Chosen,
     leaving: Chosen,
-) -> Search:
+) -> tuple[Array, Array]:
     """Find the instant in a turn of the hub at which each wire first touches an obstacle.
 
     A gap closes in a segment of the turn if it is closed at the segment's end, or if its minimum
@@ -171,17 +155,23 @@ def first_closing(
         samples: motion at the ends of the segments.
         chosen: indices of the wires that may touch the obstacle.
         leaving: whether the wire has just left the obstacle, so that the gap begins at zero.
+
+    Returns:
+        The turn of the hub up to the touch, rad, infinite without a touch. The smallest minimum of
+        the gap before it, over the bristle's length, infinite without a minimum.
     """
 
-    def gap_of(numbers: Chosen) -> Gap:
+    def gap_of(numbers: Chosen) -> Callable[[Array], tuple[Array, Array]]:
         """Return the gap of some of the chosen passes, with its rate, as a function of the turn."""
         some, moving = passes.take(chosen[numbers]), motion(chosen[numbers])
-        return lambda turn: clearance(obstacle, some, pose_of(some.hub_angle + turn, *moving(turn)))
+        return lambda turn: clearance(
+            obstacle, some, pose_of(some.hub_angle + turn, *moving(turn)[:2])
+        )
 
     place = np.full(passes.size, np.inf)
     margin = place.copy()
     if not chosen.size:
-        return Search(place, margin)
+        return place, margin
     turns, angles, rates = (each.take(chosen, axis=1) for each in samples)
     some = passes.take(chosen)
     gaps, rates = clearance(obstacle, some, pose_of(some.hub_angle + turns, angles, rates))
@@ -208,10 +198,10 @@ def first_closing(
             candidate[:, over] = False
             divided = begins[over] & (part[closed] == 0)
             place[chosen[over]] = _closing(gap_of, over, segment[:, :, closed], divided)
-    return Search(place, margin)
+    return place, margin
 
 
-def _closing(gap_of: Gaps, number: Chosen, segment: Array, begins: Chosen) -> Array:
+def _closing(gap_of: Motion, number: Chosen, segment: Array, begins: Chosen) -> Array:
     """Return the turn of the hub, rad, at which each gap closes within its segment.
 
     Newton's method starts from inverse cubic interpolation of the gaps and their rates at the ends.
@@ -238,16 +228,16 @@ def _closing(gap_of: Gaps, number: Chosen, segment: Array, begins: Chosen) -> Ar
     return root(value_of, (low, high), gaps[1], np.where(begins, high, start))
 
 
-def _lowest(gap_of: Gaps, number: Chosen, segment: Array) -> Array:
-    """Return the turn of the hub, rad, at which each gap is smallest within its segment.
+def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
+    """Return the turn of the hub, rad, at which each gap or angle is smallest within its segment.
 
-    The minimum is a zero of the gap's rate. The search for it starts at the minimum of the cubic
-    through the gaps and their rates at the ends.
+    The minimum is a zero of its rate. The search starts at the minimum of the cubic through the
+    values and rates at the ends.
     """
 
-    def opening_of(numbers: Chosen) -> Function:
-        gap = gap_of(number[numbers])
-        return lambda place: (gap(place)[1], None)
+    def rate_of(numbers: Chosen) -> Function:
+        values = values_of(number[numbers])
+        return lambda place: (values(place)[1], None)
 
     (low, high), gaps, rates = segment
     width = high - low
@@ -256,7 +246,7 @@ def _lowest(gap_of: Gaps, number: Chosen, segment: Array) -> Array:
     twist = 3.0 * (rates[0] + rates[1]) - 2.0 * rise
     with np.errstate(divide="ignore", invalid="ignore"):
         least = -rates[0] / (bend + np.sqrt(bend * bend - twist * rates[0]))
-    return root(opening_of, (low, high), rates[1], low + least * width, MINIMUM_ERROR)
+    return root(rate_of, (low, high), rates[1], low + least * width, MINIMUM_ERROR)
 
 
 def note_retraction(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None:
@@ -271,13 +261,6 @@ def note_retraction(passes: Passes, motion: Motion, samples: Samples, place: Arr
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:
         part = turning[:, number].argmax(axis=0)
-        low, high = turn[part + BOTH_ENDS, number]
-        before, after = rate[part + BOTH_ENDS, number]
-
-        def rate_of(numbers: Chosen) -> Function:
-            moving = motion(number[numbers])
-            return lambda at: (moving(at)[1], None)
-
-        guess = low + (high - low) * before / (before - after)
-        at = np.minimum(root(rate_of, (low, high), after, guess, MINIMUM_ERROR), place[number])
+        segment = np.array([each[part + BOTH_ENDS, number] for each in samples])
+        at = np.minimum(_lowest(motion, number, segment), place[number])
         passes.lowest[number] = np.minimum(passes.lowest[number], motion(number)(at)[0])

@@ -52,9 +52,9 @@ Function = Callable[[Array], tuple[Array, Array | None]]
 """Function that returns its values at given arguments, and its derivatives there, or None if it has
 no derivatives."""
 
-Motion = Callable[[Chosen], Callable[[Array], tuple[Array, Array]]]
-"""Function that takes the indices of some passes, and returns their relative angle and rate as a
-function of the hub's turn, rad."""
+Motion = Callable[[Chosen], Callable[[Array], tuple[Array, ...]]]
+"""Function that takes the indices of some passes, and returns a function of the hub's turn, rad. Its
+first two results are the passes' relative angles, or gaps, and their rates."""
 
 
 class Pose(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,15 +32,13 @@ Values = dict[str, Array]
 class Request:
     """The arrays given for the keys of a tool, and the shape to which they broadcast.
 
-    ``hub_turn`` is the turn of the hub after which a pass ends, rad. ``refused`` is the reason why
-    all passes are refused; it is empty if the passes can be computed.
+    ``hub_turn`` is the turn of the hub after which a pass ends, rad.
     """
 
     tool: Tool
     given: Values
     shape: tuple[int, ...]
     hub_turn: float
-    refused: str = ""
 
     @property
     def size(self) -> int:
@@ -92,9 +90,7 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
     except ValueError:
         shapes = ", ".join(f"{key} of shape {each.shape}" for key, each in given.items())
         raise ValueError(f"{shapes}: must be shapes that broadcast against each other") from None
-    law = tool.contact.law
-    refused = "" if law == "energetic" else f"contact = {law}: must be energetic"
-    return Request(tool, given, shape, hub_turn, refused)
+    return Request(tool, given, shape, hub_turn)
 
 
 def _array(declared: Range, value: Any) -> Array:
@@ -133,16 +129,8 @@ def key_values(tool: Tool) -> dict[str, float]:
     return found
 
 
-class Reasons:
-    """Collects the reasons why passes of a block are refused, and keeps a pass's first reason."""
-
-    def __init__(self, size: int) -> None:
-        self.texts = np.full(size, "", dtype=object)
-
-    def refuse(self, where: Chosen, text: str, values: Array | None = None) -> None:
-        """Refuse the passes marked by ``where``; ``values`` fill the place ``{}`` in the text."""
-        for number in np.flatnonzero(where & (self.texts == "")):
-            self.texts[number] = text if values is None else text.format(f"{values[number]:g}")
+Refusal = tuple[Chosen, str, str]
+"""A mask of refused passes, the key whose value is refused, and what this value must be."""
 
 
 def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
@@ -150,39 +138,59 @@ def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.obj
     other passes are refused.
     """
     values = request.at(numbers)
-    reasons = Reasons(len(numbers))
-    if request.refused:
-        reasons.refuse(np.ones(len(numbers), dtype=bool), request.refused)
-    _check_ranges(request, values, reasons)
+    law = request.tool.contact.law
+    reasons = np.full(len(numbers), "", dtype=object)
+    if law != "energetic":
+        reasons[:] = f"contact = {law}: must be energetic"
     with np.errstate(all="ignore"):  # numbers of refused tools
         passes = _built(request, values, numbers)
-        _check_tools(request.tool, values, passes, reasons)
-    return passes.take(np.flatnonzero(reasons.texts == "")), reasons.texts
+        for refuses in (_out_of_range(request, values), _impossible(request.tool, passes)):
+            for where, key, rule in refuses:
+                for number in np.flatnonzero(where & (reasons == "")):
+                    reasons[number] = f"{key} = {values[key][number]:g}: {rule}"
+    return passes.take(np.flatnonzero(reasons == "")), reasons
 
 
-def _check_ranges(request: Request, values: Values, reasons: Reasons) -> None:
+def _out_of_range(request: Request, values: Values) -> Iterator[Refusal]:
+    """Yield the refusals of values outside the range of their key, or beyond this method."""
     for keys in tool_keys().values():
         for key, (_, declared) in keys.items():
             if key in request.given and isinstance(declared, Range):
                 found = values[key]
-                above = (
-                    found >= declared.lowest if declared.lowest_allowed else found > declared.lowest
-                )
+                above = found > declared.lowest
+                above |= declared.lowest_allowed & (found == declared.lowest)
                 good = above & (found <= declared.highest) | (declared.optional & np.isnan(found))
-                reasons.refuse(
-                    ~good, str(declared.refusal(0.0)).replace(" = 0.0:", " = {}:"), found
-                )
-    for key, wanted, meaning in (
-        ("wire_links", 1.0, "a rigid bristle"),
-        ("knee_angle_deg", 0.0, "a straight one"),
-    ):
-        reasons.refuse(
-            values[key] != wanted, f"{key} = {{}}: must be {wanted:g}, {meaning}", values[key]
+                yield ~good, key, str(declared.refusal(0.0)).partition(": ")[2]
+    yield values["wire_links"] != 1.0, "wire_links", "must be 1, a rigid bristle"
+    yield values["knee_angle_deg"] != 0.0, "knee_angle_deg", "must be 0, a straight one"
+    given = ~np.isnan(values["contact_duration"])
+    yield given, "contact_duration", "must be left out with contact = energetic (in s)"
+    yield values["hub_speed"] == 0.0, "hub_speed", "must be greater than 0 (in rad/s)"
+
+
+def _impossible(tool: Tool, passes: Passes) -> Iterator[Refusal]:
+    """Yield the refusals of contradictory dimensions, of an overlap at the start, and of a motion
+    that takes too many steps.
+    """
+    if tool.workpart:
+        low = ~(passes.depth > passes.radius)
+        yield (
+            low,
+            "penetration",
+            "must be less than the bristle's reach beyond the hub's rim (in m)",
         )
-    duration = values["contact_duration"]
-    text = "contact_duration = {}: must be left out with contact = energetic (in s)"
-    reasons.refuse(~np.isnan(duration), text, duration)
-    reasons.refuse(values["hub_speed"] == 0.0, "hub_speed = 0: must be greater than 0 (in rad/s)")
+        gap = passes.depth - (passes.radius + 1.0) * np.cos(passes.start)
+        rule = "the workpart must be clear of the bristle at the start (in m)"
+        yield gap < -OVERLAP_ROUNDING, "penetration", rule
+    if tool.bar:
+        inside = ~(passes.bar_distance - passes.reach > passes.radius)
+        yield inside, "bar_radius", "must leave the bar outside the root circle (in m)"
+        gap = closest(passes, pose_of(passes.start, passes.angle, passes.rate)).gap
+        rule = "the bar must be clear of the bristle at the start (in m)"
+        yield gap < -OVERLAP_ROUNDING, "bar_horizontal", rule
+    fastest = np.sqrt(passes.stiffness + passes.centrifugal) + passes.damping + 1.0
+    rule = f"must be one whose pass lasts at most {MOST_RADIANS:g} radians of the fastest motion (in N m/rad)"
+    yield ~(fastest * (passes.end - passes.start) <= MOST_RADIANS), "belt_stiffness", rule
 
 
 def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
@@ -210,7 +218,7 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     window = np.full(size, -1.0)
     met = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
     if tool.bar:
-        window = half_window(radius, distance, reach)
+        window = half_window(radius, distance, (1.0 + reach) ** 2)
         bar_met = bar_angle + meeting_angle(radius, distance, reach)
         start = np.where(bar_met < START, bar_met - CLEAR_OF_BAR, start)
         met = np.minimum(met, bar_met)
@@ -245,28 +253,3 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
         "release_angle": undone,
     }
     return Passes(np.array([rows.get(name, nothing) for name in ROWS]))
-
-
-def _check_tools(tool: Tool, values: Values, passes: Passes, reasons: Reasons) -> None:
-    """Refuse tools with contradictory dimensions, with an overlap at the start, or with a motion
-    that takes too many steps.
-    """
-    if tool.workpart:
-        low = ~(passes.depth > passes.radius)
-        text = "penetration = {}: must be less than the bristle's reach beyond the hub's rim (in m)"
-        reasons.refuse(low, text, values["penetration"])
-        gap = passes.depth - (passes.radius + 1.0) * np.cos(passes.start)
-        text = "penetration = {}: the workpart must be clear of the bristle at the start (in m)"
-        reasons.refuse(gap < -OVERLAP_ROUNDING, text, values["penetration"])
-    if tool.bar:
-        inside = ~(passes.bar_distance - passes.reach > passes.radius)
-        text = "bar_radius = {}: must leave the bar outside the root circle (in m)"
-        reasons.refuse(inside, text, values["bar_radius"])
-        gap = closest(passes, pose_of(passes.start, passes.angle, passes.rate)).gap
-        text = "bar_horizontal = {}: the bar must be clear of the bristle at the start (in m)"
-        reasons.refuse(gap < -OVERLAP_ROUNDING, text, values["bar_horizontal"])
-    fastest = np.sqrt(passes.stiffness + passes.centrifugal) + passes.damping + 1.0
-    text = f"belt_stiffness = {{}}: must be one whose pass lasts at most {MOST_RADIANS:g} radians of the fastest motion (in N m/rad)"
-    reasons.refuse(
-        ~(fastest * (passes.end - passes.start) <= MOST_RADIANS), text, values["belt_stiffness"]
-    )

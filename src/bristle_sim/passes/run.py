@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.passes.bar import levers, locks, lying
+from bristle_sim.passes.bar import flank_window, half_turn, levers, lying
 from bristle_sim.passes.flight import fly
 from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.slide import slide
@@ -78,67 +78,44 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     approach = np.maximum(-touch.normal_velocity, LEAST_SPEED)
     # An error of the angle shifts the touch, and so changes the rate.
     amplified = (1.0 + passes.bar_restitution) * np.abs(pressed) / (approach * passes.rate_scale)
-    passes.error[:] = np.minimum(
-        passes.error * (1.0 + amplified), 1.0
-    )  # 1 stands for any uncertainty
+    passes.error[:] = np.minimum(passes.error * (1.0 + amplified), 1.0)  # 1: any uncertainty
     # Without the bar the overlap would stay within the accuracy, and the gap would open again.
     passes.error[touch.normal_velocity**2 < -2.0 * pressed * accuracy] = 1.0
     low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
-    low |= comes_to_rest(passes, touch.side, at_end, pressed, parting, parting / approach)
+    # Rebounds that begin with the speed v last 2 v/(a (1 - e)) in all, here twice that time.
+    lost = pressed * (1.0 - parting / approach)
+    lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
+    low |= comes_to_rest(passes, touch.side, at_end, held.pressure, lasting)
     stays = np.flatnonzero((ending == FLIES) & (pressed > 0.0) & low)
     if stays.size:
         some = passes.take(stays)
         some.rate[:] = held.rate[stays]
-        locked = locks(some, some.hub_angle, some.angle, some.rate)
-        how = slide(some, touch.side[stays])
-        some.error[:] = np.where(some.error >= 1.0, 1.0, ROUNDING)
+        ending[stays] = slide(some, touch.side[stays])
+        some.error[some.error < 1.0] = ROUNDING
         passes.put(stays, some)
-        how[locked] = LOCKED
-        ending[stays] = how
         ending[_folds(passes)] = FOLDS
     return ending
 
 
 def comes_to_rest(
-    passes: Passes, sides: Array, at_end: Chosen, pressed: Array, parting: Array, returned: Array
+    passes: Passes, side: Array, at_end: Chosen, pressure: Array, lasting: Array
 ) -> Chosen:
     """Return whether each wire's rebounds from the bar die out while the wire is still pressed onto
     the bar.
 
-    The wire then lies on the bar as if it had never rebounded. Rebounds that begin with the speed v
-    last 2 v/(a (1 - e)) in all, at an acceleration a towards the bar and a restitution e. After
-    twice that time the wire must touch with the same part, flank or end, and the pressure must have
-    changed by less than a factor of two.
-
-    Args:
-        passes: passes of the wires.
-        sides: 1 for a wire behind the bar, and -1 for a wire ahead of it.
-        at_end: whether a wire touches with its end rather than its flank.
-        pressed: acceleration a of the contact point towards the bar.
-        parting: speed v after the present impact.
-        returned: restitution e of the present impact.
+    The wire then lies on the bar as if it had never rebounded. After the time ``lasting`` it must
+    touch with the same part, flank or end, and the pressure must have changed by less than a factor
+    of two.
     """
-    lost = pressed * (1.0 - returned)
-    lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
     ahead = passes.hub_angle + np.minimum(lasting, 1.0)
-    same = touch_at_end(passes, ahead) == at_end
-    now = lying(passes, passes.hub_angle, sides, at_end).pressure
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = lying(passes, ahead, sides, at_end).pressure / now
-    return np.asarray(same & (ratio > 0.5) & (ratio < 2.0) & (ahead < passes.hub_angle + 1.0))
+        ratio = lying(passes, ahead, side, at_end).pressure / pressure
+    same = touch_at_end(passes, ahead) == at_end
+    return np.asarray(same & (ratio > 0.5) & (ratio < 2.0) & (lasting < 1.0))
 
 
 def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
     """Return whether a wire that lies on the bar at a given hub angle touches it with its end
     rather than its flank.
-
-    This is so where D^2 > 1 + R^2. D is the distance of the root from the bar's centre and R the
-    bar's radius plus the wire's, both over the bristle's length.
     """
-    chi = hub_angle - passes.bar_angle
-    square = (
-        passes.bar_distance**2
-        + passes.radius**2
-        - 2.0 * passes.radius * passes.bar_distance * np.cos(chi)
-    )
-    return np.asarray(square > 1.0 + passes.reach**2)
+    return np.abs(half_turn(hub_angle - passes.bar_angle)) > flank_window(passes)

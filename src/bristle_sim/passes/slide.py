@@ -84,32 +84,34 @@ def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chos
         some, own_side = passes.take(numbers), side[numbers]
         return lambda turn: lying(some, some.hub_angle + turn, own_side, at_end)
 
-    def motion(numbers: Chosen) -> Callable[[Array], tuple[Array, Array]]:
-        lies = lying_of(numbers)
-        return lambda turn: lies(turn)[:2]
-
     released = np.flatnonzero((how == FLIES) & (at > 0))
     if released.size:
 
         def pressure_of(numbers: Chosen) -> Function:
             lies = lying_of(released[numbers])
-            return lambda turn: (lies(turn).pressure, None)
+            return lambda turn: (bounded_pressure(lies(turn)), None)
 
         ends = at[released] - 1 + BOTH_ENDS
         begin, end = turns[ends, released]
-        before, after = found.pressure[ends, released]
+        before, after = bounded_pressure(found)[ends, released]
         guess = begin + (end - begin) * before / (before - after)
         place[released] = root(pressure_of, (begin, end), after, guess)
 
     leaving = np.zeros(passes.size, dtype=bool)
-    strike = first_closing(WORKPART, passes, motion, samples, low(passes, samples), leaving)
-    strikes = strike.place <= place
-    how[strikes] = WORKPART
-    place[strikes] = strike.place[strikes]
-    note_retraction(passes, motion, samples, place)
-    passes.angle[:], passes.rate[:] = motion(columns)(place)
+    strike, _ = first_closing(WORKPART, passes, lying_of, samples, low(passes, samples), leaving)
+    how[strike <= place] = WORKPART
+    place = np.minimum(place, strike)
+    note_retraction(passes, lying_of, samples, place)
+    passes.angle[:], passes.rate[:] = lying_of(columns)(place)[:2]
     np.minimum(passes.lowest, passes.angle, out=passes.lowest)
     passes.hub_angle += place
     passes.release[:] = passes.hub_angle
     passes.release_angle[:] = passes.angle
     return how
+
+
+def bounded_pressure(motion: Lying) -> Array:
+    """Return the pressure over the acceleration, which grows without bound where the wire points at
+    the bar's centre.
+    """
+    return motion.pressure / (1.0 + np.abs(motion.acceleration))

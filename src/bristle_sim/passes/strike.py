@@ -111,20 +111,15 @@ def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
     normal = (passes.radius * np.sin(passes.hub_angle) + sine * spin) * tip_speed
     tangential = (passes.radius * np.cos(passes.hub_angle) + cosine * spin) * tip_speed
     compliance = 3.0 / values["bristle_mass"]
-    inverse_mass = (
-        np.array([[sine * sine, sine * cosine], [sine * cosine, cosine * cosine]]) * compliance
-    )
-    later = np.where(
-        np.isnan(values["restitution_friction"]), values["friction"], values["restitution_friction"]
-    )
-    elastic = values["tangential_compliance"]
+    lever = np.array([sine, cosine])
+    friction, later = values["friction"], values["restitution_friction"]
     impact = energetic_impact(
-        inverse_mass.transpose(2, 0, 1),
+        (lever[:, np.newaxis] * lever * compliance).transpose(2, 0, 1),
         np.array([normal, tangential]).T,
-        values["friction"],
+        friction,
         values["restitution"],
-        later,
-        tangential_compliance=elastic if elastic.any() else 0.0,
+        np.where(np.isnan(later), friction, later),
+        tangential_compliance=values["tangential_compliance"],
     )
     gain = (sine * impact.impulse_normal + cosine * impact.impulse_tangential) * compliance / length
     return Blow(normal, tangential, impact, gain, outcome_codes(impact))
