@@ -132,7 +132,7 @@ def _energetic_contact() -> Tally:
     for name in names:
         for value in BAD:
             given: dict[str, Any] = {
-                "space": build_tool(Tool())[0].engine.space,
+                "space": build_tool(Tool())[0].space,
                 **good,
                 name: value,
             }
@@ -144,9 +144,7 @@ def _energetic_contact() -> Tally:
             tally.attempt(
                 f"{name} = {shown(value)}", partial(EnergeticContact, **given), known, name
             )
-    contact = EnergeticContact(
-        build_tool(Tool())[0].engine.space, 1, 2, friction=0.3, restitution=0.4
-    )
+    contact = EnergeticContact(build_tool(Tool())[0].space, 1, 2, friction=0.3, restitution=0.4)
     for value in BAD:
         tally.attempt(
             f"duration = {shown(value)}", partial(contact.step, value), _any_answer, "duration"

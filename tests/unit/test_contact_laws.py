@@ -79,7 +79,7 @@ def test_a_wire_flies_after_an_impact_of_the_engine_as_before_it() -> None:
 
     def flight() -> list[float]:
         scene.place(state, -0.5 * step)
-        return scene.engine.take(step, 4, symmetric=True)[:8]
+        return scene.step(step, 4, symmetric=True)[:8]
 
     before = flight()
     EngineLaw().resolve(scene, state, WorkpartPair(-tip.imag, 0.3, 0.3, 0.5, link=3))

@@ -25,7 +25,7 @@ def test_symmetric_steps_have_even_powers_of_the_step_alone(damping: float) -> N
     for count in (16, 32, 64, 128):
         step = duration / count
         scene.place(state, -0.5 * step)
-        ends.append(np.array(scene.engine.take(step, count, symmetric=True)[:6]))
+        ends.append(np.array(scene.step(step, count, symmetric=True)[:6]))
     errors = np.abs(np.diff(ends, axis=0)).max(axis=1)
     finer = [(4.0 * b - a) / 3.0 for a, b in itertools.pairwise(ends)]
     left = np.abs(np.diff(finer, axis=0)).max(axis=1)
@@ -40,8 +40,8 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     part = WorkpartPair(0.9, 0.0, 0.0, 0.0, link=1)
     scene = Scene(upright, Effects(hinges=((5.0, 0.0),), pairs=(part,)))
     scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
-    scene.engine.joint_solver.set_contacts((ClosedPair(part, None, None),))
-    scene.engine.joint_solver.solve(1.0)
-    ((impulses,),) = scene.engine.joint_solver.impulses
+    scene.joint_solver.set_contacts((ClosedPair(part, None, None),))
+    scene.joint_solver.solve(1.0)
+    ((impulses,),) = scene.joint_solver.impulses
     assert impulses[:2] == [0.0, 0.0]
     assert scene.rates() == pytest.approx([0.3, -0.2], rel=1e-12)

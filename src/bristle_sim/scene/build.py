@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import pymunk
 
-from bristle_sim.scene.engine import EngineSteps
+from bristle_sim.scene.engine import EngineSpace
 from bristle_sim.scene.mechanism import Mechanism, State, xy
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.solver import LinkVelocity, WireVelocities
@@ -50,19 +50,12 @@ class Effects:
     hinges: tuple[tuple[float, float], ...] = ()
 
 
-class Scene:
+class Scene(EngineSpace):
     """A mechanism as bodies, joints and springs of the engine.
 
-    Attributes:
+    Attributes, besides those of ``EngineSpace``:
         mechanism: the links and the hub's motion.
         effects: springs, damping, gravity and contacts.
-        hub: kinematic body that carries the roots; None without a hub.
-        links: bodies of the links, in order from the root.
-        joints: pivots of the links, in order from the root.
-        engine: takes the engine's steps.
-        step: function that takes engine steps of equal length (``engine.take``).
-        angles: function that returns the links' angles minus ``turned``, rad.
-        rates: function that returns the links' rates.
         placed: state and drift of the last call of ``place``.
         turned: whole revolutions, rad, that are subtracted from all angles in the engine.
     """
@@ -78,30 +71,21 @@ class Scene:
         space.collision_persistence = 1  # steps that the engine keeps a contact that has ended, which a record would read again
         if effects.gravity:
             space.gravity = (0.0, -effects.gravity)
-        self.hub: pymunk.Body | None = None
+        hub = None
         if mechanism.hub_radius or effects.stiffness is not None:
-            self.hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            self.hub.angular_velocity = mechanism.hub_speed
-            space.add(self.hub)
-        self.links, self.joints = _add_links(space, mechanism, self.hub)
-        _add_springs(self, space)
+            hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            hub.angular_velocity = mechanism.hub_speed
+            space.add(hub)
+        links, joints = _add_links(space, mechanism, hub)
+        _add_springs(space, mechanism, effects, hub, links)
         belt = effects.damping if effects.stiffness is not None else 0.0
-        hinges = effects.hinges or ((0.0, 0.0),) * len(self.links)
+        hinges = effects.hinges or ((0.0, 0.0),) * len(links)
         damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
-        solver = LinkVelocity if mechanism.single_link else WireVelocities
-        self.engine = EngineSteps(
-            space,
-            self.hub,
-            self.links,
-            self.joints,
-            solver(mechanism, damping, self.hub, self.links),
-            several_links=mechanism.wire_links > 1,
-        )
+        make_solver = LinkVelocity if mechanism.single_link else WireVelocities
+        solver = make_solver(mechanism, damping, hub, links)
+        super().__init__(space, hub, links, joints, solver, several_links=mechanism.wire_links > 1)
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
-        self.step = self.engine.take
-        self.angles = self.engine.angles
-        self.rates = self.engine.rates
 
     def place(self, state: State, drift: float = 0.0) -> None:
         """Set positions and velocities of all bodies to a state.
@@ -113,7 +97,7 @@ class Scene:
         self.placed = (state, drift)
         if again:
             # Repetitions of one interval all start from one state.
-            self.engine.place(None)
+            self.put(None)
             return
         values: list[float] = []
         if self.hub is not None:
@@ -128,7 +112,7 @@ class Scene:
             place = pose.joint + pose.to_centre + drift * velocity
             turned = angle - self.turned + drift * rate
             values += (place.real, place.imag, turned, velocity.real, velocity.imag, rate)
-        self.engine.place(values)
+        self.put(values)
 
     def state_at(self, time: float, values: Sequence[float]) -> State:
         """Return the state from a list that begins with the links' angles and rates in the engine."""
@@ -159,22 +143,24 @@ def _add_links(
     return bodies, joints
 
 
-def _add_springs(scene: Scene, space: pymunk.Space) -> None:
+def _add_springs(
+    space: pymunk.Space,
+    mechanism: Mechanism,
+    effects: Effects,
+    hub: pymunk.Body | None,
+    links: list[pymunk.Body],
+) -> None:
     """Add the belt of every wire, and a torsion spring at each joint between links.
 
     The springs must be added after the joints: the engine then damps velocities that the joints
     have corrected already, and the result stays smooth in the step.
     """
-    mechanism = scene.mechanism
-    effects = scene.effects
-    size = scene.mechanism.wire_links
-    if scene.hub is not None and effects.stiffness is not None:
-        for wire, link in enumerate(scene.links[::size]):
+    size = mechanism.wire_links
+    if hub is not None and effects.stiffness is not None:
+        for wire, link in enumerate(links[::size]):
             spring = (wire * mechanism.pitch, effects.stiffness, effects.damping)
-            space.add(pymunk.DampedRotarySpring(scene.hub, link, *spring))
-    joints = [
-        pair for number, pair in enumerate(itertools.pairwise(scene.links), 1) if number % size
-    ]
+            space.add(pymunk.DampedRotarySpring(hub, link, *spring))
+    joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
     for (stiffness, damping), (first, second) in zip(effects.hinges, joints, strict=False):
         space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
 

@@ -36,7 +36,7 @@ def end_contacts(
     system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
 ) -> tuple[ActiveContact, ...]:
     """Record the contacts in ``ending`` as ended, and return the other contacts."""
-    system.scene.engine.keep_closed(())
+    system.scene.keep_closed(())
     for contact in ending:
         if record := contact.record(system.gaps, system.state, outcome):
             system.recording.contacts.append((record, system.links_of(contact.pair)))
@@ -78,7 +78,7 @@ def resolve_impacts(
         contacts = end_contacts(system, contacts, motion.ordered, Outcome.RELEASE)
         name_releases(system, motion.ordered)
     left = _least_opening_rate(system, pair) if single_link else math.inf
-    system.scene.engine.keep_closed(())
+    system.scene.keep_closed(())
     record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
     jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
     if jams:

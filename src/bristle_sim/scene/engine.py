@@ -40,19 +40,21 @@ next step."""
 LINKS_OF_A_STEP = 32
 
 
-class EngineSteps:
-    """Takes engine steps and counts them.
+class EngineSpace:
+    """A space of the engine, its bodies and joints, and the steps taken in it.
 
     After each engine step, ``joint_solver`` corrects the velocities if a wire has several links or
     a sustained contact is closed.
 
     Attributes:
         space: the pymunk space.
-        joints: the pivots of the links.
+        hub: kinematic body that carries the roots; None without a hub.
+        links: bodies of the links, in order from the root.
+        joints: pivots of the links, in order from the root.
         steps: number of steps taken.
         work: cost of the steps taken: a step counts once for every ``LINKS_OF_A_STEP`` links, or
             part of them.
-        place: sets positions and velocities of all bodies.
+        put: sets positions and velocities of all bodies.
         joint_solver: solver of joints, damping and sustained contacts.
         several_links: whether a wire has several links. Time-symmetric steps are then possible.
     """
@@ -73,10 +75,12 @@ class EngineSteps:
         link. ``several_links`` is whether a wire has several links.
         """
         self.space = space
+        self.hub = hub
+        self.links = links
         self.joints = joints
         bodies = list(links) if hub is None else [hub, *links]
         self.steps = self.work = 0
-        self.place = Placer(bodies)
+        self.put = Placer(bodies)
         self._kept = Placer(bodies)
         self._links = [link._body for link in links]
         self.joint_solver = joint_solver
@@ -125,7 +129,7 @@ class EngineSteps:
         """Return the rates of the links, rad per time unit."""
         return list(map(lib.cpBodyGetAngularVelocity, self._links))
 
-    def take(
+    def step(
         self,
         length: float,
         count: int,
@@ -154,7 +158,7 @@ class EngineSteps:
         self._last_length = length
         if symmetric:
             self.joint_solver.begin_symmetric()
-        step = self._engine_step
+        engine_step = self._engine_step
         solve = self._solve
         last = 2 if symmetric else 1
         links = self._links
@@ -164,7 +168,7 @@ class EngineSteps:
                 before = [rate(link) for link in links]
             if act is not None:
                 act()
-            step(length)
+            engine_step(length)
             if solve is not None:
                 solve(length)
         after = [rate(link) for link in links]

@@ -201,7 +201,7 @@ class Extrapolation:
 
         A repetition is left out if its rounding error would exceed the tolerance.
         """
-        symmetric = scene.engine.several_links and (load is None or load.symmetric)
+        symmetric = scene.several_links and (load is None or load.symmetric)
         take = partial(scene.step, symmetric=True) if symmetric else scene.step
         halved = load is None and not symmetric
         table = self.table = EVEN if symmetric else HALVED if halved else self._given
@@ -244,7 +244,7 @@ class Extrapolation:
             values += [sum(map(mul, others, each)) for each in columns[2 * links :]]
             if error == math.inf:
                 # The engine turns a body at its old angle to the place that is set; a second placing is free of NaN.
-                scene.engine.place(None)
+                scene.put(None)
             if halved:
                 best = [sum(map(mul, weights, each)) for each in zip(*halves, strict=True)]
                 middle = scene.state_at(state.time + 0.5 * duration, best)

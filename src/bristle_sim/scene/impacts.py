@@ -192,7 +192,7 @@ class EngineLaw(ContactLaw):
         assert isinstance(pair, WorkpartPair), "the bar has the energetic law"
         scene.place(state)
         mechanism = scene.mechanism
-        space = scene.engine.space
+        space = scene.space
         link = mechanism.links[pair.link]
         middle = -pair.depth - HALF_PLANE
         face = ((-HALF_PLANE, middle), (HALF_PLANE, middle))
@@ -213,7 +213,7 @@ class EngineLaw(ContactLaw):
         space.on_collision(post_solve=note)
         before = space.iterations
         space.iterations = ENGINE_ITERATIONS
-        scene.engine.step_alone(ENGINE_STEP)
+        scene.step_alone(ENGINE_STEP)
         space.iterations = before
         space.on_collision()
         space.remove(part, tip)

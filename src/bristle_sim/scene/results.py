@@ -64,7 +64,7 @@ def trajectories_in_si(
                 cost=Cost(
                     wall,
                     cpu,
-                    scene.engine.steps,
+                    scene.steps,
                     recording.error / motion_scale(scene, recording.states[0]),
                     None if recording.lost is None else recording.lost * units.time,
                 ),

@@ -47,8 +47,8 @@ class RigidContacts:
     def __init__(self, scene: Scene, closed: Sequence[ClosedPair], *, paired: bool) -> None:
         self.scene = scene
         self.closed = closed
-        self._solver = scene.engine.joint_solver
-        self._paired = paired and scene.engine.several_links
+        self._solver = scene.joint_solver
+        self._paired = paired and scene.several_links
         self._step = 0.0
 
     def engage(self, state: State) -> None:
@@ -60,7 +60,7 @@ class RigidContacts:
                 # At a corner two segments touch; the moment decides between them.
                 later = _a_moment_later(state)
                 contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
-        self.scene.engine.keep_closed(self.closed)
+        self.scene.keep_closed(self.closed)
 
     def set_back(self, state: State) -> State:
         """Return the nearest state in which all contacts are closed and the sticking contacts have

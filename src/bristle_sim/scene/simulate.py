@@ -167,15 +167,15 @@ def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]
             pair is a motion without contacts, and None.
     """
     plan = system.plan
-    engine = system.scene.engine
-    budget = engine.work + plan.maximum_steps
+    scene = system.scene
+    budget = scene.work + plan.maximum_steps
     motion = first_motion(system)
     yield motion, None
     while system.recording.stop_reason is None:
         if system.state.time >= plan.end * (1.0 - 1e-15):
             system.stop(StopReason.END)
             break
-        if engine.work >= budget:
+        if scene.work >= budget:
             system.stop(StopReason.STEP_BUDGET)
             break
         interval, event = integrate(system, motion)

@@ -119,7 +119,7 @@ def _in_si(
         angles=motion[1],
         centre_line=line * units.length,
         kinetic_energy=kinetic * units.energy,
-        steps=scene.engine.steps,
+        steps=scene.steps,
         wall_s=clock.perf_counter() - begin,
     )
 

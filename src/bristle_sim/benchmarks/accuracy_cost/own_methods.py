@@ -47,7 +47,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
         """
         stepper = Extrapolation(tolerance)
         state = start
-        before = scene.engine.steps
+        before = scene.steps
         while state.time < end * (1.0 - 1e-15):
             length = stepper.propose(end - state.time)
             result = stepper.advance(scene, state, length)
@@ -59,7 +59,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
         """Integrate the flight by equal engine steps, with the engine's own correction of the
         joints.
         """
-        before = scene.engine.steps
+        before = scene.steps
         scene.place(start)
         for joint in scene.joints:
             joint.error_bias = 0.0
@@ -78,7 +78,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
             before: number of engine steps before the flight.
         """
         relative = (angle - scene.mechanism.hub_angle(end), (rate - hub_speed) / units.time)
-        return Run(relative, scene.engine.steps - before)
+        return Run(relative, scene.steps - before)
 
     return [
         *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES),
