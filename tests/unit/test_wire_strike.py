@@ -6,9 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Surface, Tool, Workpart
+from bristle_sim.parameters import (
+    Belt,
+    Bristle,
+    Contact,
+    ContactStiffness,
+    Hub,
+    Surface,
+    Tool,
+    Workpart,
+)
 from bristle_sim.reference import TooStiffError, strike_reference
 from bristle_sim.reference.mechanics import Chain as Links
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.theory.wire import chain_frequencies
@@ -200,3 +210,18 @@ def test_too_many_evaluations_are_refused() -> None:
         TooStiffError, match=r"stiffness = .*: must be less for the independent solution"
     ):
         strike_reference(*impact, longest=10.0 * DURATION, most_evaluations=24)
+
+
+def test_a_contact_that_is_pressed_on_again_returns_its_share_of_the_work() -> None:
+    """A vibrating wire presses its tip deeper while the spring unloads: the spring returns e*^2 of all that it took."""
+    tool = Tool(
+        bristle=Bristle(links=2, modulus=2e10),
+        workpart=Workpart(friction=0.31, restitution=0.42),
+        contact=Contact("compliant", 1e-3),
+    )
+    contact = simulate(tool, Settings(accuracy=1e-6), stop_after="strike").first_contact("workpart")
+    loading = [phase.startswith("compression") for phase in contact.phases]
+    assert sorted(loading, reverse=True) != loading
+    assert contact.restitutive_work[0] == pytest.approx(
+        -(0.42**2) * contact.compressive_work[0], rel=1e-6
+    )
