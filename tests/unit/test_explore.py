@@ -165,8 +165,8 @@ def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
     }
     query = {"on": json.dumps(on), "fine": "1", "friction": "0.35"}
     found = client.get("/map", query_string=query).json
-    x = np.linspace(2000.0, 3000.0, 161) * np.pi / 30.0
-    y = np.linspace(0.054, 0.047, 161)[:, np.newaxis]
+    x = np.linspace(2000.0, 3000.0, 201) * np.pi / 30.0
+    y = np.linspace(0.054, 0.047, 201)[:, np.newaxis]
     rows = [3, 40, 77, 120, 150]
     many = bs.ensemble(friction=0.35, accuracy=1e-6, hub_speed=x, bar_horizontal=y[rows])
     low, high = (float(found[each].split()[0]) for each in ("low", "high"))
@@ -181,7 +181,7 @@ def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
     assert (words == many.outcome).all()
     coarse = client.get("/map", query_string=query | {"fine": "0"}).json
     # The ends of the two scales are percentiles of different points, and differ by some shades.
-    apart = unpacked(found, "shades")[::4, ::4].astype(int) - unpacked(coarse, "shades")
+    apart = unpacked(found, "shades")[::5, ::5].astype(int) - unpacked(coarse, "shades")
     assert np.median(np.abs(apart)) <= 3
 
 
@@ -190,7 +190,7 @@ def test_a_map_of_the_outcome_names_those_that_occur(client: Any) -> None:
     on = {"x": ["hub_speed", "2490 rpm", "2500 rpm"], "y": ["friction", "0.3", "0.31"]}
     query = {"on": json.dumps(on | {"of": "outcome"}), "fine": "1"}
     found = client.get("/map", query_string=query).json
-    assert found["note"] == "outcome: 25921 points"
+    assert found["note"] == "outcome: 40401 points"
     assert {found["names"][each] for each in found["present"]} == {"reverses its slip"}
     refused = client.get("/map", query_string=query | {"wire_links": "2"}).json
     assert "wire_links" in refused["error"]

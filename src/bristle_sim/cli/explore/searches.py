@@ -32,10 +32,10 @@ from bristle_sim.studies.whole_pass import QUANTITIES
 
 SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map; their errors are far below one shade
 COARSE = 40
-FINE = 160
+FINE = 200
 """Number of cells along each side of a map, while a parameter changes and at rest.
 
-The coarse map is computed in 0.03 s, the fine one in 0.5 s."""
+The coarse map is computed in 0.03 s, the fine one in 0.6 s."""
 SHADES = 254  # number of steps of a map's colour scale
 EXTREMES = (1.0, 99.0)
 """Percentiles of the values at the ends of the colour scale.
