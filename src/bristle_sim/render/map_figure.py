@@ -10,129 +10,72 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib.colors import CenteredNorm
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bar
+from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.style import (
-    MILLIMETRES,
-    QUANTITIES,
-    add_panel,
-    blank_figure,
-    draw_colours,
-    styled,
-    write_key,
-)
+from bristle_sim.render.sweep_figures import PERCENTILES
 from bristle_sim.studies.cue_map import CueMap
 
 MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
 
-ARC: dict[str, Any] = {
-    "color": GREY,
-    "linewidth": 0.7,
-    "dashes": (3, 2),
-}  # style of the arc of bar positions at the bar's distance from the hub's centre
-ZERO: dict[str, Any] = {"color": BLACK, "linewidth": 0.9}  # style of the line of zero lag
-COLOUR_PERCENTILE = 97.0
-"""Percentile of the values at the end of the colour scale.
 
-The few values beyond it belong to points near a jam, where the work grows without bound."""
-
-
-@styled()
+@style.styled()
 def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> Figure:
     """Draw lag, tip speed, normal work of compression and crater depth over the bar's position.
 
-    ``x``, ``y`` and ``maps`` are the result of :func:`bristle_sim.studies.cue_map.position_map`.
+    The cells where the bar cues no strike are white. ``x``, ``y`` and ``maps`` are the result of
+    :func:`bristle_sim.studies.cue_map.position_map`.
     """
-    figure = blank_figure(16.0, 15.3)
-    places = _places(found)
+    assert found.tool.bar is not None
+    distance = math.hypot(*found.tool.bar.centre) * style.MILLIMETRES
+    arc = np.linspace(0.0, math.pi, 721)
+    places = (x * style.MILLIMETRES, y * style.MILLIMETRES)
     lags = maps["lag_deg_at_contact"]
-    for number, name in enumerate(MAPS):
-        title, unit, factor = QUANTITIES[name]
-        place = (1.5 + 7.9 * (number % 2), 9.0 - 6.6 * (number // 2), 5.2, 4.9)
-        axes = add_panel(figure, place, title, "white: the bar cues no strike")
-        places_shown = (x * MILLIMETRES, y * MILLIMETRES)
-        _draw_map(axes, places_shown, factor * maps[name], unit, signed=number == 0)
+    figure = style.blank_figure(16.0, 15.3)
+    figure.set_layout_engine("constrained")
+    for axes, name in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, MAPS, strict=True):
+        title, unit, factor = style.QUANTITIES[name]
+        values = factor * maps[name]
+        known = values[np.isfinite(values)]
+        low, high = np.percentile(known, PERCENTILES) if known.size else (0.0, 1.0)
+        look: dict[str, Any] = {"vmin": low, "vmax": high}
+        if name == "lag_deg_at_contact":
+            look = {"norm": CenteredNorm(), "cmap": "RdBu"}
+        cells = axes.pcolormesh(*places, values, shading="nearest", rasterized=True, **look)
+        figure.colorbar(cells, ax=axes, extend="both").ax.set_title(unit, fontsize=7.0, color=GREY)
+        axes.set_title(title, loc="left", fontsize=8.5)
         if np.nanmin(lags) < 0.0 < np.nanmax(lags):
-            axes.contour(*places_shown, lags, levels=[0.0], colors=BLACK, linewidths=0.9)
-        axes.autoscale_view()  # matplotlib puts it off until the limits are read
-        axes.autoscale(enable=False)
-        axes.plot(*_places_at(found, np.linspace(0.0, np.pi, 721)), **ARC)
-        for direction, look in places.values():
-            axes.plot(*_places_at(found, np.array([direction])), zorder=5, **look)
-        if number % 2 == 0:
-            axes.set_ylabel("S_V, normal to the workpart (mm)")
-        if number >= 2:
-            axes.set_xlabel("S_H, along the workpart (mm)")
-    words = "Arrows on the scales: cells beside a jam, where the work has no bound, lie beyond the colours."
-    figure.text(1.5 / 16.0, 1.1 / 15.3, words, fontsize=7.0, color=GREY)
-    named = {
-        f"{name}, {math.degrees(direction):.2f}°": look
-        for name, (direction, look) in places.items()
-    }
-    named |= {"lag zero": ZERO, "bar at its distance from the hub": ARC}
-    write_key(figure, named, ncols=3, columnspacing=1.0, handletextpad=0.3)
+            axes.contour(*places, lags, levels=[0.0], colors=BLACK, linewidths=0.9)
+        axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim(), aspect="equal")
+        axes.set(xlabel="S_H, along the workpart (mm)", ylabel="S_V, normal to the workpart (mm)")
+        axes.label_outer()
+        axes.grid(visible=False)
+        axes.plot([], [], color=BLACK, linewidth=0.9, label="lag zero")
+        label = "bar at its distance from the hub"
+        axes.plot(distance * np.sin(arc), distance * np.cos(arc), "--", color=GREY, label=label)
+        for label, direction, marker, colour in _marks(found):
+            place = (distance * math.sin(direction), distance * math.cos(direction))
+            words = f"{label}, {math.degrees(direction):.2f}°"
+            axes.plot(*place, marker, color=colour, markeredgecolor=BLACK, label=words)
+    axes.plot([], [], "s", color="white", markeredgecolor=GREY, label="no cued strike")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
-def _draw_map(
-    axes: Axes, places: tuple[Array, Array], values: Array, unit: str, *, signed: bool
-) -> None:
-    finite = values[np.isfinite(values)] if np.isfinite(values).any() else np.array([0.0, 1.0])
-    low, high = float(finite.min()), float(np.percentile(finite, COLOUR_PERCENTILE))
-    if signed:
-        high = float(np.abs(finite).max())
-        low = -high
-    look: dict[str, Any] = {
-        "cmap": "RdBu" if signed else "viridis",
-        "vmin": low,
-        "vmax": max(high, low + 1e-12),
-    }
-    extend = "max" if finite.max() > high else "neither"
-    scale = draw_colours(axes, *places, values, extend, **look)
-    scale.set_title(unit, fontsize=7.0, color=GREY)
-    axes.set_aspect("equal")
-
-
-def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
-    """Return the marked directions of the bar from the hub's centre, rad, by name, each with its
-    look.
-    """
-    assert found.tool.bar is not None
-    own = math.atan2(found.tool.bar.horizontal, found.tool.bar.vertical)
-    bar = "printed position" if found.tool.bar == Bar() else "the tool's bar"
-    look = {
-        "linestyle": "none",
-        "markeredgecolor": BLACK,
-        "markeredgewidth": 0.7,
-        "markersize": 5.5,
-    }
-    places = {bar: (own, look | {"marker": "s", "markersize": 4.5, "markerfacecolor": "white"})}
+def _marks(found: CueMap) -> list[tuple[str, float, str, str]]:
+    """Return name, direction from the hub's centre, rad, marker and colour of each mark."""
+    bar = found.tool.bar
+    assert bar is not None
+    own = "printed position" if bar == Bar() else "the tool's bar"
+    marks = [(own, math.atan2(bar.horizontal, bar.vertical), "s", "white")]
     if found.formula is not None:
-        places["by the formula"] = (found.formula, look | {"marker": "^", "markerfacecolor": BLUE})
-    places["radial strike"] = (
-        found.radial.direction,
-        look | {"marker": "o", "markerfacecolor": VERMILION},
-    )
-    places["fastest tip at this distance"] = (
-        found.fastest.direction,
-        look | {"marker": "+", "markersize": 7.0},
-    )
-    return places
-
-
-def _places_at(found: CueMap, directions: Array) -> Array:
-    """Return positions of the bar in given directions from the hub's centre, rad.
-
-    The distance from the hub's centre is that of the tool's bar. The result is in mm and has the
-    shape (2, n).
-    """
-    assert found.tool.bar is not None
-    return (
-        math.hypot(*found.tool.bar.centre)
-        * MILLIMETRES
-        * np.stack([np.sin(directions), np.cos(directions)])
-    )
+        marks.append(("by the formula", found.formula, "^", BLUE))
+    return [
+        *marks,
+        ("radial strike", found.radial.direction, "o", VERMILION),
+        ("fastest tip at this distance", found.fastest.direction, "+", BLACK),
+    ]
