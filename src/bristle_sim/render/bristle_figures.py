@@ -192,7 +192,7 @@ def neighbours_figure(
 def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
     lines = [run.at(time).centre_line for run in row.bristles]
     colors = (SERIES * 2)[: len(lines)]
-    drawings = draw_wires(axes, row.tool, lines, colors, 7.0)
+    drawings = draw_wires(axes, row.tool, lines, colors)
     for number, (drawing, line) in enumerate(zip(drawings, lines, strict=True), 1):
         drawing.place(line)
         x, y = 0.9 * style.MILLIMETRES * line[0]

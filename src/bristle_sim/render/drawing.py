@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Circle, FancyArrowPatch
 from matplotlib.patheffects import withStroke
 from matplotlib.quiver import Quiver
@@ -83,7 +82,6 @@ def draw_wires(
     tool: Tool,
     lines: ArrayLike,
     colors: Sequence[str],
-    letter_size: float,
     *,
     margin: float = 0.05,
     details: bool = False,
@@ -94,7 +92,7 @@ def draw_wires(
     """
     show_wires(axes, tool, lines, margin)
     axes.set_axis_off()
-    draw_tool(axes, tool, letter_size)
+    draw_tool(axes, tool)
     longest = LONGEST_SCALE_BAR * float(np.ptp(axes.get_xlim()))
     decade = 10.0 ** math.floor(math.log10(longest))
     length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= longest)
@@ -107,18 +105,16 @@ def draw_wires(
         borderpad=0.8,
         size_vertical=0.004 * float(np.ptp(axes.get_ylim())),
         color=BLACK,
-        fontproperties=FontProperties(size=letter_size),
     )
     axes.add_artist(bar)
     return [WireDrawing(axes, tool, color=color, details=details) for color in colors]
 
 
-def draw_tool(axes: Axes, tool: Tool, letter_size: float) -> None:
+def draw_tool(axes: Axes, tool: Tool) -> None:
     """Draw hub, bar and workpart with their names, in axes with their final limits.
 
     The hub is the circle of the roots with its sense of rotation. A tool without bar or workpart is
-    drawn without them. The names are outlined so that they are legible on any background;
-    ``letter_size`` is in points.
+    drawn without them. The names are outlined so that they are legible on any background.
     """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     width = right - left
@@ -148,7 +144,7 @@ def draw_tool(axes: Axes, tool: Tool, letter_size: float) -> None:
     for name, (x, y, ground) in names.items():
         halo = [withStroke(linewidth=2.5, foreground=ground)]
         text = axes.text(x, y, name, ha="center", va="center", path_effects=halo)
-        text.set(fontsize=letter_size, zorder=7, clip_on=True)
+        text.set(zorder=7, clip_on=True)
 
 
 def draw_circle(axes: Axes, centre: Sequence[float], radius: float, **look: Any) -> None:

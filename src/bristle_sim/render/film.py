@@ -37,9 +37,11 @@ HIGHEST_RATE = {".gif": 50.0, ".mp4": 1000.0}
 LONGEST_FILM = 3600.0  # longest film, s
 NODES = 4001  # number of nodes of a TimeWarp; a slow part as short as 1/1000 of the run is smooth
 HEADER = 0.135  # height of caption and read-outs above the drawing, as a fraction of the picture
-# left edges of the read-outs, as fractions of the picture's width
+# Left edges of the read-outs, as fractions of the picture's width
 LEFTS = (0.02, 0.25, 0.47, 0.735)
-DOTS_PER_INCH = 100.0
+# Resolution of a picture of default size. A picture of another size has another resolution, so that
+# letters and lines keep their size relative to the picture.
+DOTS_PER_INCH = 115.0
 # Number of colours in the palette of a gif, and number of frames from which it is taken
 GIF_COLOURS = 64
 GIF_SAMPLES = 30
@@ -121,7 +123,7 @@ class Film(ABC):
 
     Attributes:
         size: default width and height of the picture, px.
-        letter_size: height of the letters, px.
+        letter_size: height of the letters of caption and read-outs in a picture of default size, px.
         moving: artists that are drawn in every frame, in this order, over all still artists.
         hands: vertical lines in the panels over time, which mark the present time.
         texts: caption and read-outs.
@@ -151,11 +153,12 @@ class Film(ABC):
         self.warp = warp
         self.clock = clock or Scale(MILLISECONDS, "ms")
         self.pixels = (width, height)
-        self.letters = self.letter_size * min(width / self.size[0], height / self.size[1])
+        scale = min(width / self.size[0], height / self.size[1])
+        self.letters = self.letter_size * scale
+        dots = DOTS_PER_INCH * scale
+        edge = 1e-6  # rounding must not lose a pixel
         with styled():
-            self.figure = Figure(
-                figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH
-            )
+            self.figure = Figure(((width + edge) / dots, (height + edge) / dots), dpi=dots)
         self.canvas: Any = FigureCanvasAgg(self.figure)
         self._still: Any = None
         self._colours = (BLACK, BLACK, *colours)
@@ -163,14 +166,10 @@ class Film(ABC):
         self.hands: list[Line2D] = []
         self.texts: tuple[str, ...] = ()
 
-    def add_timeline(self, place: tuple[float, float, float, float], letters: float) -> Axes:
-        """Add a panel over the time of the run, with a vertical line that marks the present time.
-
-        ``letters`` is the size of its tick labels.
-        """
+    def add_timeline(self, place: tuple[float, float, float, float]) -> Axes:
+        """Add a panel over the time of the run, with a vertical line that marks the present time."""
         axes = self.figure.add_axes(place)
         axes.set_xlim(*self.warp.physical[[0, -1]] * self.clock.factor)
-        axes.tick_params(labelsize=letters)
         self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
         return axes
 

@@ -40,7 +40,7 @@ LONGEST_FORCE = 0.28
 # Least depth at separation for which the picture has an explanation, over the largest depth
 CRATER = 0.02
 ROD = "#bcd9ec"  # colour of the enlarged end of the rod
-ROD_WIDTH = 1.9  # its width, not to scale, over the size of the letters
+ROD_WIDTH = 16.0  # its width, not to scale, points
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +119,7 @@ class TipDrawing:
     ``moving`` holds the moving artists.
     """
 
-    def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
+    def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array) -> None:
         self._motion = motion
         path = np.stack([motion.samples["along"], motion.samples["away"]], axis=-1)
         scale = scale_for(float(np.ptp(path, axis=0).max()), "m")
@@ -130,25 +130,23 @@ class TipDrawing:
         height = top - bottom
         axes.grid(visible=False)
         axes.axhspan(2.0 * bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, zorder=0)
-        axes.set_xlabel(
-            f"the tip's displacement along the surface ({scale.unit})", fontsize=letters
-        )
-        axes.set_ylabel(f"away from it ({scale.unit})", fontsize=letters)
-        axes.tick_params(labelsize=0.9 * letters)
+        axes.set_xlabel(f"the tip's displacement along the surface ({scale.unit})")
+        axes.set_ylabel(f"away from it ({scale.unit})")
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
-        width = ROD_WIDTH * letters
         # The end of the rod is round and touches the tip's place from above.
-        end = np.array([0.0, 0.5 * width / points_per_unit(axes)])
+        end = np.array([0.0, 0.5 * ROD_WIDTH / points_per_unit(axes)])
         self._rod = np.array([end, end - 2.0 * height / math.hypot(*last_rod) * last_rod])
-        outline = [withStroke(linewidth=width + 2.0, foreground=BLUE)]
-        (self.rod,) = axes.plot([], [], color=ROD, linewidth=width, path_effects=outline, zorder=3)
+        outline = [withStroke(linewidth=ROD_WIDTH + 2.0, foreground=BLUE)]
+        (self.rod,) = axes.plot(
+            [], [], color=ROD, linewidth=ROD_WIDTH, path_effects=outline, zorder=3
+        )
         self.forces = add_arrows(axes, *COLOURS.values())
         self.moving = [self.trail, self.rod, self.forces]
         self._newton = LONGEST_FORCE * height / (motion.largest("force") or 1.0)
         left = -motion.at("away", motion.touch_end)
         if left > -CRATER * path[:, 1].min():
             why = f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {amount(left, 'm')}, below\nthe old surface."
-            axes.text(0.03, 0.03, why, transform=axes.transAxes, fontsize=0.92 * letters)
+            axes.text(0.03, 0.03, why, transform=axes.transAxes, fontsize=7.0)
 
     def move(self, time: float) -> None:
         """Move the rod's end, its path so far and the arrows of the forces to a time, s."""
@@ -190,17 +188,16 @@ class ImpactFilm(Film):
         warp = slow_motion(float(motion.time[0]), float(motion.time[-1]), duration)
         super().__init__(warp, width, height, tuple(COLOURS.values()), clock)
         self.speed = scale_for(motion.largest("velocity"), "m/s")
-        letters = 0.62 * self.letters
         line = struck.centre_line[0]
         top = 1.0 - HEADER
         rods = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
-        draw_rods(rods, line, impacts.chain.hub_radius, letters)
+        draw_rods(rods, line, impacts.chain.hub_radius)
         close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
-        self.tip = TipDrawing(close_up, motion, line[-1] - line[-2], letters)
+        self.tip = TipDrawing(close_up, motion, line[-1] - line[-2])
         self.markers: list[tuple[Line2D, str, float]] = []
         self._draw_panel(0.5, "velocity of the tip", self.speed).legend(loc="upper right")
         axes = self._draw_panel(0.1, "force on the tip", scale_for(motion.largest("force"), "N"))
-        axes.set_xlabel(f"time since the first touch ({clock.unit})", fontsize=letters)
+        axes.set_xlabel(f"time since the first touch ({clock.unit})")
         self.moving = [*self.tip.moving, *self.hands, *(each for each, *_ in self.markers)]
         history = struck.contact.history
         assert history is not None
@@ -211,7 +208,7 @@ class ImpactFilm(Film):
         )
         surface = impacts.surface
         words = f"compression {compressed}{source}\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
-        self.figure.text(0.98, 0.985, words, ha="right", va="top", fontsize=letters, color=GREY)
+        self.figure.text(0.98, 0.985, words, ha="right", va="top", color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move the tip and the markers to a time, s."""
@@ -229,9 +226,8 @@ class ImpactFilm(Film):
     def _draw_panel(self, bottom: float, title: str, scale: Scale) -> Axes:
         motion = self.motion
         kind = title.split(maxsplit=1)[0]
-        letters = 0.6 * self.letters
         clock = self.clock.factor
-        axes = self.add_timeline((0.685, bottom, 0.305, 0.33), 0.9 * letters)
+        axes = self.add_timeline((0.685, bottom, 0.305, 0.33))
         draw_zero(axes)
         for part, color in COLOURS.items():
             name = f"{part}_{kind}"
@@ -244,18 +240,17 @@ class ImpactFilm(Film):
             color = PHASE_COLOURS.get(phase.caption, "white")
             axes.axvspan(phase.start * clock, end * clock, color=color, linewidth=0.0, zorder=0)
         axes.margins(y=0.1)
-        axes.set_ylabel(f"{title} ({scale.unit})", fontsize=letters)
+        axes.set_ylabel(f"{title} ({scale.unit})")
         return axes
 
 
-def draw_rods(axes: Axes, centre_line: Array, hub_radius: float, letters: float) -> None:
+def draw_rods(axes: Axes, centre_line: Array, hub_radius: float) -> None:
     """Draw the rods at the strike.
 
     Args:
         axes: axes of the drawing.
         centre_line: root, hinges and tip from the hub's centre, shape (corners, 2), m.
         hub_radius: the hub's radius, m; zero for a fixed root.
-        letters: size of the letters.
     """
     show_points(axes, [centre_line], 0.35)
     axes.set_axis_off()
@@ -270,7 +265,6 @@ def draw_rods(axes: Axes, centre_line: Array, hub_radius: float, letters: float)
         textcoords="offset points",
         ha="right",
         color=GREY,
-        fontsize=letters,
     )
     axes.plot(*centre_line.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3)
     axes.plot(*centre_line[1:-1].T, "o", color="white", markeredgecolor=BLACK, zorder=4)

@@ -209,7 +209,7 @@ def _draw_tool(
     """
     show_wires(axes, tool, course.centre_line)
     axes.grid(visible=False)
-    draw_tool(axes, tool, 7.0)
+    draw_tool(axes, tool)
     tip = course.tip * MILLIMETRES
     strike = run.event_time("strike")
     paths = {"tip path": (tip, BLUE)}

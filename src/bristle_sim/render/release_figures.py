@@ -92,7 +92,7 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
     surface = np.array([[0.4 * tool.hub.radius, 0.0], [0.0, -1.06 * tool.workpart_depth]])
     show_points(axes, [MILLIMETRES * each for each in (*rims, *timing.wires, surface)], 0.06)
     axes.grid(visible=False)
-    draw_tool(axes, tool, 7.0)
+    draw_tool(axes, tool)
     for name, (centre, look) in bars.items():
         draw_circle(axes, centre, given.radius, gid=name, **look)
     names = (("released", GREY, 4.0, "right"), ("fastest", BLACK, -12.0, "left"))

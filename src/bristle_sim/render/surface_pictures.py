@@ -122,8 +122,8 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
     axes.set(xlabel=words, ylabel="roughness (µm)")
 
 
-def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
-    """Draw roughness Rz and coverage over the time under the belt; return the axes of the coverage."""
+def _draw_course(axes: Axes, made: BlastedSurface) -> None:
+    """Draw roughness Rz and coverage over the time under the belt."""
     time = _strike_times(made, made.course["strikes"])
     roughness = MICRO * made.course["rz"]
     low, high = MEASURED_RZ
@@ -136,7 +136,6 @@ def _draw_course(axes: Axes, made: BlastedSurface) -> Axes:
     covered.plot(time, 100.0 * made.course["coverage"], color=VERMILION, marker=".")
     covered.set_ylim(0.0, 110.0)
     covered.set_ylabel("coverage (%)", color=VERMILION)
-    return covered
 
 
 class SurfaceFilm(Film):
@@ -164,12 +163,7 @@ class SurfaceFilm(Film):
         self.norm = _colours(made)
         axes = self.figure.add_axes((0.075, 0.42, 0.9, 0.57 - HEADER))
         self.picture = _show_heights(axes, made, self._picture())
-        letters = 0.6 * self.letters
-        course = self.add_timeline((0.075, 0.1, 0.85, 0.2), letters)
-        for each in (axes, course, _draw_course(course, made)):
-            each.tick_params(labelsize=letters)
-            each.xaxis.label.set_fontsize(letters)
-            each.yaxis.label.set_fontsize(letters)
+        _draw_course(self.add_timeline((0.075, 0.1, 0.85, 0.2)), made)
         self.moving = [self.picture, *self.hands]
 
     def _picture(self) -> Array:

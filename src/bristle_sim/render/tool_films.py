@@ -62,9 +62,8 @@ class ToolFilm(Film):
         axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
         shown = [each.centre_line[each.time >= warp.physical[0]] for each in courses]
         margin = 0.04 if self.single else 0.08
-        letters = 0.75 * self.letters
         self.wires = draw_wires(
-            axes, tool, np.concatenate(shown), colors, letters, margin=margin, details=self.single
+            axes, tool, np.concatenate(shown), colors, margin=margin, details=self.single
         )
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
         contact = runs[0].first_contact("workpart")

@@ -111,16 +111,15 @@ class WireFilm(Film):
         self._links = tool.bristle.links
         self._runs = (struck.wire, struck.rigid)
         self._lines = [cubics(run.time, run.centre_line) for run in self._runs]
-        letters = 0.62 * self.letters
         axes = self.figure.add_axes((0.0, 0.0, 0.5, 1.0 - HEADER))
-        force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER), 0.9 * letters)
-        wave = self.add_timeline((0.565, 0.115, 0.35, 0.3), 0.9 * letters)
+        force = self.add_timeline((0.565, 0.55, 0.35, 0.4 - HEADER))
+        wave = self.add_timeline((0.565, 0.115, 0.35, 0.3))
         points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in self._runs])
         self._longest = LONGEST_FORCE * float(np.ptp(points[:, 1]))
         below = points.min(axis=0) - [0.0, self._longest]
         colors = (BLUE, ORANGE)
         shown = np.vstack([points, below])
-        self.wires = draw_wires(axes, tool, shown, colors, letters, margin=0.1)
+        self.wires = draw_wires(axes, tool, shown, colors, margin=0.1)
         self.arrow = add_arrows(axes, VERMILION)
         for run, color in zip(self._runs, colors, strict=True):
             touch, pushed = _force(run)
@@ -128,9 +127,9 @@ class WireFilm(Film):
             force.fill_between(clock, pushed, color=color, alpha=0.15, linewidth=0.0)
             force.plot(clock, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
-        force.set_title("normal force (N), as the arrow", loc="left", fontsize=letters)
-        wave.set_title("bending moment along the wire (mN·m)", loc="left", fontsize=letters)
-        self.arrival = _draw_wave(wave, struck, letters)
+        force.set_title("normal force (N), as the arrow", loc="left")
+        wave.set_title("bending moment along the wire (mN·m)", loc="left")
+        self.arrival = _draw_wave(wave, struck)
         artists = [each for wire in reversed(self.wires) for each in wire.artists]
         self.moving = [*artists, self.arrow, *self.hands]
 
@@ -163,7 +162,7 @@ def _force(run: Any) -> tuple[Array, Array]:
     return time, cubics(clock, history.normal_force)(time)
 
 
-def _draw_wave(axes: Axes, struck: FlexibleWire, letters: float) -> float:
+def _draw_wave(axes: Axes, struck: FlexibleWire) -> float:
     """Draw the bending moment in the wire over time and position, with the root on top.
 
     Returns:
@@ -193,8 +192,8 @@ def _draw_wave(axes: Axes, struck: FlexibleWire, letters: float) -> float:
         interpolation="bilinear",
     )
     axes.set_ylim(length, 0.0)
-    axes.set_xlabel("time since the first touch (µs)", fontsize=letters)
-    axes.set_ylabel("from the root (mm)", fontsize=letters)
+    axes.set_xlabel("time since the first touch (µs)")
+    axes.set_ylabel("from the root (mm)")
     axes.grid(visible=False)
     style.add_colour_bar(axes, picture, "neither").tick_params(labelsize="x-small")
     return float(time[np.argmax(np.abs(moments[0]) > ARRIVED * most)])
