@@ -53,7 +53,7 @@ def random_flight(
 
     def equation(time: float, state: np.ndarray) -> tuple[float, float]:
         angle, rate = state
-        weight = 0.5 * gravity * math.sin(mechanism.hub_angle(time) + angle)
+        weight = 0.5 * gravity * math.sin(mechanism.root_angle(time) + angle)
         centrifugal = 0.5 * radius * speed**2 * math.sin(angle)
         return rate, -3.0 * (stiffness * angle + damping * rate + centrifugal + weight)
 
@@ -76,7 +76,7 @@ def true_error(
     exact = solve_ivp(
         equation, (0.0, end.time), relative, method="DOP853", rtol=3e-14, atol=1e-15
     ).y[:, -1]
-    angle = end.angles[0] - mechanism.hub_angle(end.time)
+    angle = end.angles[0] - mechanism.root_angle(end.time)
     return max(abs(angle - exact[0]), abs(end.rates[0] - mechanism.hub_speed - exact[1]))
 
 

@@ -77,9 +77,7 @@ def test_the_normal_force_is_the_last_or_the_last_that_would_pull(
     state = State(0.0, (0.7,), (0.0,))
     _, rigid = closed(ROD, WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.0), state)
     rigid.begin(0.5)
-    rigid.scene.engine.joint_solver.impulses += [
-        [(0.5 * push, -0.1 * push, 0.2)] for push in pushes
-    ]
+    rigid.scene.joint_solver.impulses += [[(0.5 * push, -0.1 * push, 0.2)] for push in pushes]
     totals = rigid.totals()
     assert rigid.normal(totals) == [pytest.approx(force)]
     assert rigid.fails(totals) is (force < 0.0)

@@ -101,7 +101,7 @@ class Scene(EngineSpace):
             return
         values: list[float] = []
         if self.hub is not None:
-            hub_angle = self.mechanism.hub_angle(state.time + drift)
+            hub_angle = self.mechanism.root_angle(state.time + drift)
             # Rounding of an angle grows with its size, and extrapolation magnifies it.
             self.turned = math.tau * round(hub_angle / math.tau)
             values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
@@ -218,7 +218,7 @@ def motion_scale(scene: Scene, start: State) -> float:
         return 1.0
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
     stiffness = (effects.stiffness or 0.0) + link.mass * abs(link.centre) * field
-    swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * math.sqrt(
+    swing = abs(start.angles[0] - mechanism.root_angle(start.time)) * math.sqrt(
         stiffness / link.inertia_about_joint
     )
     return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0

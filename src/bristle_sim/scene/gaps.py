@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import Complexes, Mechanism, State, Vector, cross
+from bristle_sim.scene.mechanism import Complexes, Mechanism, State, Vector
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 
 # largest distance between a contact and a link's end, over the link's length, at which the contact
@@ -115,9 +115,9 @@ def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> Contact
     """
     touch = pair.closest(mechanism.poses(state), state.rates)
     if mechanism.single_link:
-        lever = cross(touch.arm, touch.normal)
-        along = cross(touch.arm, touch.tangent)
-        along = along if abs(along) > ROUNDING * abs(touch.arm) else 0.0
+        both = 1j * touch.arm * touch.normal.conjugate()
+        lever = both.real
+        along = -both.imag if abs(both.imag) > ROUNDING * abs(touch.arm) else 0.0
         turning = lever / mechanism.links[0].inertia_about_joint
         rubbing = along / mechanism.links[0].inertia_about_joint
         rows = ((lever * turning, lever * rubbing), (lever * rubbing, along * rubbing))

@@ -59,7 +59,6 @@ class ContactLaw(ABC):
         ``entries`` are the entries of the record that depend on the law.
         """
         after = State(before.time, before.angles, rates)
-        missing = dict.fromkeys(("compressive_impulse", "compressive_work", "restitutive_work"))
         return after, ContactRecord(
             obstacle=pair.name,
             law=self.name,
@@ -68,7 +67,7 @@ class ContactLaw(ABC):
             angles=before.angles,
             rates_before=before.rates,
             rates_after=after.rates,
-            **{**missing, **entries},
+            **entries,
         )
 
 
@@ -228,6 +227,9 @@ class EngineLaw(ContactLaw):
             outcome="rebound" if velocity[0] > 0.0 else "no rebound",
             # The sign of the engine's impulse depends on the order of the shapes; a contact only pushes.
             impulse=(push, rub) if push >= 0.0 else (-push, -rub),
+            compressive_impulse=None,
+            compressive_work=None,
+            restitutive_work=None,
             velocity_before=pair.closest(mechanism.poses(state), state.rates).velocity,
             velocity_after=velocity,
         )

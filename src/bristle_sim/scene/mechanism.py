@@ -137,12 +137,8 @@ class Mechanism:
         self.single_link = len(self.links) == 1
         self._known = deque(maxlen=3)
 
-    def hub_angle(self, time: float) -> float:
-        """Return the angle of the first wire's root at a time, rad."""
-        return self.hub_start + self.hub_speed * time
-
-    def root_angle(self, link: int, time: float) -> float:
-        """Return the angle of the root of the wire to which a link belongs, rad.
+    def root_angle(self, time: float, link: int = 0) -> float:
+        """Return the angle at a time of the root of the wire to which a link belongs, rad.
 
         ``link`` is the link's index.
         """
@@ -175,7 +171,7 @@ class Mechanism:
         poses = []
         for number, (link, angle, rate) in enumerate(zip(self.links, angles, rates, strict=True)):
             if number % self.wire_links == 0:
-                joint = -1j * self.hub_radius * exp(1j * self.root_angle(number, time))
+                joint = -1j * self.hub_radius * exp(1j * self.root_angle(time, number))
                 velocity = 1j * self.hub_speed * joint
             pose = link.pose(joint, velocity, exp(1j * angle))
             poses.append(pose)

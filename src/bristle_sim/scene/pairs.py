@@ -33,7 +33,8 @@ class ClosestApproach(NamedTuple):
     Attributes:
         gap: distance, negative inside the obstacle.
         arm: vector from the link's joint to the contact point, along world axes.
-        normal: unit vector out of the obstacle.
+        normal: unit vector out of the obstacle. The tangent is the normal turned clockwise by 90
+            degrees, which is +x on the workpart.
         velocity: (normal, tangential) velocity of the link's contact point relative to the
             obstacle.
         piece: index of the closest straight segment of the centre line, from 0 at the joint. For
@@ -48,11 +49,6 @@ class ClosestApproach(NamedTuple):
     velocity: Vector
     piece: int = 0
     partner_arm: complex | None = None
-
-    @property
-    def tangent(self) -> complex:
-        """Unit tangent: the normal turned clockwise by 90 degrees, which is +x on the workpart."""
-        return -1j * self.normal
 
 
 @dataclass(slots=True, eq=False)

@@ -226,7 +226,7 @@ def prepare(
     mechanism = scene.mechanism
     links = range(len(mechanism.links))
     rate = mechanism.hub_speed + described.relative_rate * units.time
-    angles = tuple([mechanism.root_angle(link, 0.0) + described.relative_angle for link in links])
+    angles = tuple([mechanism.root_angle(0.0, link) + described.relative_angle for link in links])
     start = State(0.0, angles, (rate,) * len(links))
     check_start(scene, tool, start)
     # The run ends when the last root is hub_turn past the starting angle of the foremost root.

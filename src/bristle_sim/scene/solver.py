@@ -86,7 +86,7 @@ class WireVelocities:
         self._solve = dposv
         self.symmetric = False
         self.impulses: list[list[tuple[float, float, float]]] = []
-        self._contacts: Sequence[ClosedPair] = ()
+        self.set_contacts(())
         self._mechanism = mechanism
         size = mechanism.wire_links
         self._damping = None
@@ -112,6 +112,9 @@ class WireVelocities:
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
         """Keep the given sustained contacts closed from now on."""
         self._contacts = contacts
+        self._pairs = [each.pair for each in contacts]
+        self._stuck = [index for index, each in enumerate(contacts) if each.slip == 0]
+        self._ratios = np.array([-each.pair.friction * (each.slip or 0) for each in contacts])
 
     def set_back(self, state: State) -> State:
         """Return the nearest state in which all contacts are closed and their gaps do not change,
@@ -124,14 +127,13 @@ class WireVelocities:
         """
         mechanism = self._mechanism
         contacts = self._contacts
-        pairs = [each.pair for each in contacts]
-        stuck = [index for index, each in enumerate(contacts) if each.slip == 0]
+        stuck = self._stuck
         time, angles, rates = state[0], np.array(state.angles), np.array(state.rates)
         for _ in range(NEWTON_ROUNDS):
             turn = np.exp(1j * angles)
             poses = mechanism.poses(State(time, tuple(angles.tolist()), tuple(rates.tolist())))
             touches = [each.pair.closest(poses, rates.tolist(), each.piece) for each in contacts]
-            normals, tangents = contact_rows(mechanism, turn, pairs, touches)
+            normals, tangents = contact_rows(mechanism, turn, self._pairs, touches)
             speeds, slips = np.array([touch.velocity for touch in touches]).T
             mass = mechanism.mass_matrix(turn)
             angles = angles - _nearest(mass, normals, np.array([touch.gap for touch in touches]))
@@ -196,13 +198,11 @@ class WireVelocities:
         ``turn`` is e^{i angle} of each link, ``matrix`` the mass matrix with damping.
         """
         mechanism = self._mechanism
-        contacts = self._contacts
-        touches = [self._closest(turn, each) for each in contacts]
-        pairs = [each.pair for each in contacts]
-        normals, tangents = contact_rows(mechanism, turn, pairs, touches)
+        stuck = self._stuck
+        ratios = self._ratios
+        touches = [self._closest(turn, each) for each in self._contacts]
+        normals, tangents = contact_rows(mechanism, turn, self._pairs, touches)
         speeds, slips = np.array([touch.velocity for touch in touches]).T
-        ratios = np.array([-each.pair.friction * (each.slip or 0) for each in contacts])
-        stuck = [at for at, each in enumerate(contacts) if each.slip == 0]
         pushes = [*(normals + ratios[:, None] * tangents), *tangents[stuck]]
         response = self._solve(matrix, np.array(pushes).T)[1]
         rigid = np.array([*normals, *tangents[stuck]]) @ response
@@ -216,9 +216,9 @@ class WireVelocities:
         self._velocities += self._of_each_wire(1j * turn * change, mechanism.constants.arms)
         # The mean of old and new velocities changes by half of an impulse.
         impulses *= 2.0 if self.symmetric else 1.0
-        push = impulses[: len(contacts)]
+        push = impulses[: len(normals)]
         rub = ratios * push
-        rub[stuck] = impulses[len(contacts) :]
+        rub[stuck] = impulses[len(normals) :]
         self.impulses.append(np.array([push, rub, slips + tangents @ change]).T.tolist())
 
     def _closest(self, turn: Complexes, contact: ClosedPair) -> ClosestApproach:
@@ -295,7 +295,7 @@ class LinkVelocity:
     def set_back(self, state: State) -> State:
         """Return the state after a rotation that closes the contact's gap and stops its change."""
         time, (angle,), (rate,) = state
-        joint = self._root * rect(1.0, self._mechanism.hub_angle(time))
+        joint = self._root * rect(1.0, self._mechanism.root_angle(time))
         start, end = self._line
         for _ in range(NEWTON_ROUNDS):
             turn = rect(1.0, angle)

@@ -77,7 +77,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
             rate: absolute rate of the bristle in scene units.
             before: number of engine steps before the flight.
         """
-        relative = (angle - scene.mechanism.hub_angle(end), (rate - hub_speed) / units.time)
+        relative = (angle - scene.mechanism.root_angle(end), (rate - hub_speed) / units.time)
         return Run(relative, scene.steps - before)
 
     return [
