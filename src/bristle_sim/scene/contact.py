@@ -74,8 +74,6 @@ class ActiveContact(ClosedPair):
         work: work of the normal and of the tangential force since the start.
         force: normal force at the end of the last interval; None before the first interval.
         tangential: tangential force at the end of the last interval.
-        vanishes_in: estimated time from the end of the last interval until the normal force reaches
-            zero.
         stopped: sense of the slip that has just stopped, 1 or -1; 0 if no slip has just stopped.
     """
 
@@ -84,7 +82,6 @@ class ActiveContact(ClosedPair):
     work: tuple[float, float] = (0.0, 0.0)
     force: float | None = None
     tangential: float = 0.0
-    vanishes_in: float = math.inf
     stopped: int = 0
 
     def turn(self, sense: int) -> None:
@@ -100,18 +97,20 @@ class ActiveContact(ClosedPair):
         )
         self.work = (self.work[0] + sums.work_normal, self.work[1] + sums.work_tangential)
 
-    def expect_release(self, sums: Sums, length: float) -> tuple[float, float]:
+    def expect_release(self, sums: Sums, length: float) -> tuple[float, float, float]:
         """Estimate when the normal force of a rigid contact reaches zero.
 
         The force is extrapolated by a parabola over time. The parabola matches the forces at both
         ends of the interval, and the impulse of the interval.
 
         Returns:
-            The normal force at the interval's beginning, and the coefficient of the parabola's
-            quadratic term, with the time as a fraction of the interval.
+            The normal force at the interval's beginning; the coefficient of the parabola's quadratic
+                term, with the time as a fraction of the interval; and the time from the interval's
+                end until the force reaches zero.
         """
         last = first = sums.normal
         bend = 0.0
+        left = math.inf
         if length > 0.0:
             mean = sums.impulse_normal / length
             first = 2.0 * mean - last if self.force is None else self.force
@@ -119,10 +118,10 @@ class ActiveContact(ClosedPair):
             slope = last - first + bend
             square = slope * slope - 4.0 * bend * last
             falls = math.sqrt(square) - slope if square >= 0.0 else 0.0
-            self.vanishes_in = 2.0 * length * last / falls if falls > 0.0 else math.inf
+            left = 2.0 * length * last / falls if falls > 0.0 else math.inf
         self.force = last
         self.tangential = sums.tangential
-        return first, bend
+        return first, bend, left
 
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
         """Return the contact record; None for a contact of zero duration."""

@@ -8,7 +8,6 @@ constrains only velocities.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from bristle_sim.scene.collisions import (
@@ -132,7 +131,6 @@ def begin_motion(system: System, given: Motion) -> Motion:
     for contact in active:
         contact.start = contact.start or system.state
         contact.force = None
-        contact.vanishes_in = math.inf
     if active:
         motion.load = ContactLoad(system.scene, motion.rigid, springs) if springs else motion.rigid
         system.sample({spring: spring.sample(system.gaps, system.state) for spring in springs})
@@ -161,7 +159,7 @@ def _closed_contacts(
     for contact in contacts:
         if contact.slip is None and contact.pair.friction:
             rigid.set_slip(system.state, contact, system.slip_error(system.state))
-    system.state = rigid.set_back(system.state)
+    system.state = system.scene.joint_solver.set_back(system.state)
     if system.mechanism.single_link and paired:
         # From here on the geometry gives angle and rate, whatever their errors before.
         system.recording.error = system.recording.summed

@@ -65,6 +65,8 @@ class Motion:
         load: forces of all contacts; None without contacts.
         limit: longest next interval, in engine time units; it is short where a contact may end as
             soon as it begins.
+        release_in: time from now until just after the normal force of a rigid contact is expected to
+            reach zero.
         before: result at the end of the last interval; None in the first interval.
         events: events that may end the motion, contact events first.
     """
@@ -74,6 +76,7 @@ class Motion:
     rigid: RigidContacts | None = None
     load: Load | None = None
     limit: float = math.inf
+    release_in: float = math.inf
     before: IntervalResult | None = None
     events: tuple[Event, ...] = ()
 
@@ -201,21 +204,12 @@ def _lost(
                 return Happening(Kind.SLIPS, contact, -contact.stopped)
         if length > plan.shortest and not (first and system.mechanism.single_link):
             shorter = length / MOST_GROWTH if first else 0.5 * length
-            motion.limit = max(min(shorter, _until_release(motion)), 0.5 * plan.shortest)
+            motion.limit = max(min(shorter, motion.release_in), 0.5 * plan.shortest)
             return None
     if slipping is None:
         return Happening(Kind.RELEASE, tuple(lost))
     sense = -1 if sums_of(result.totals, slipping).tangential > 0.0 else 1
     return Happening(Kind.SLIPS, motion.contacts[slipping], sense)
-
-
-def _until_release(motion: Motion) -> float:
-    """Return the time from now until just after a contact force first reaches zero, extrapolated
-    from the present forces.
-    """
-    return BEYOND_RELEASE * min(
-        (contact.vanishes_in for contact in motion.contacts), default=math.inf
-    )
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:
@@ -227,12 +221,13 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     than the run.
     """
     gaps = system.gaps
+    solver = system.scene.joint_solver
     recording = system.recording
     result = interval.end
     length = interval.length
     if length <= 0.0:
         return
-    system.state = result.state if motion.rigid is None else motion.rigid.set_back(result.state)
+    system.state = result.state if motion.rigid is None else solver.set_back(result.state)
     recording.error += result.error
     recording.summed += result.error
     if motion.contacts:
@@ -251,7 +246,7 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     if motion.limit < math.inf:
         motion.limit = max(MOST_GROWTH * length, system.plan.first_interval)
     if motion.rigid is not None:
-        motion.limit = min(motion.limit, max(_until_release(motion), system.plan.shortest))
+        motion.limit = min(motion.limit, max(motion.release_in, system.plan.shortest))
     if motion.separating:
         motion.separating = tuple(
             pair for pair in motion.separating if gaps.gap(pair, system.state) <= GAP_ROUNDING
@@ -262,6 +257,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
     """Add the impulses and the work of the contacts in an interval, and record the contact forces
     at its end.
     """
+    motion.release_in = math.inf
     ends: dict[ActiveContact, float] = {}
     begins: dict[ActiveContact, float] = {}
     for index, contact in enumerate(motion.contacts):
@@ -269,7 +265,8 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
         contact.add(sums)
         if not isinstance(contact, SpringContact):
             # At a located release, rounding error may make the force negative.
-            first, bend = contact.expect_release(sums, interval.length)
+            first, bend, left = contact.expect_release(sums, interval.length)
+            motion.release_in = min(motion.release_in, BEYOND_RELEASE * left)
             begins[contact] = max(0.0, first)
             ends[contact] = max(0.0, sums.normal)
         else:
@@ -282,7 +279,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
             for part in INNER_SAMPLES:
                 guess = interval.at(part * interval.length)
                 force = first + part * (sums.normal - first) - part * (1.0 - part) * bend
-                system.sample({contact: force}, state=motion.rigid.set_back(guess))
+                system.sample({contact: force}, state=system.scene.joint_solver.set_back(guess))
         motion.rigid.engage(system.state)
     system.sample(ends)
 

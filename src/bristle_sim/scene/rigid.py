@@ -62,13 +62,6 @@ class RigidContacts:
                 contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
         self.scene.keep_closed(self.closed)
 
-    def set_back(self, state: State) -> State:
-        """Return the nearest state in which all contacts are closed and the sticking contacts have
-        zero slip velocity.
-        """
-        placed: State = self._solver.set_back(state)
-        return placed
-
     def begin(self, step: float) -> None:
         """Clear the impulses of the last interval; the solver records new ones in each step."""
         self._step = step
@@ -164,7 +157,7 @@ class RigidContacts:
     def slip_acceleration(self, contact: ClosedPair, state: State) -> float:
         """Return the tangential acceleration of a contact point that stays on its obstacle."""
         before, after = (
-            self._slip_velocity(contact, self.set_back(each))
+            self._slip_velocity(contact, self._solver.set_back(each))
             for each in (state, _a_moment_later(state))
         )
         return (after - before) / MOMENT
