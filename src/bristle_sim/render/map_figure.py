@@ -14,7 +14,6 @@ from matplotlib.colors import CenteredNorm
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Bar
 from bristle_sim.render import style
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.sweep_figures import PERCENTILES
@@ -35,6 +34,9 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
     arc = np.linspace(0.0, math.pi, 721)
     places = (x * style.MILLIMETRES, y * style.MILLIMETRES)
     lags = maps["lag_deg_at_contact"]
+    looks = [("s", "white"), ("^", BLUE), ("o", VERMILION), ("+", BLACK)]
+    if found.formula is None:
+        del looks[1]
     figure = style.blank_figure(16.0, 15.3)
     figure.set_layout_engine("constrained")
     for axes, name in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, MAPS, strict=True):
@@ -57,25 +59,10 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
         axes.plot([], [], color=BLACK, linewidth=0.9, label="lag zero")
         label = "bar at its distance from the hub"
         axes.plot(distance * np.sin(arc), distance * np.cos(arc), "--", color=GREY, label=label)
-        for label, direction, marker, colour in _marks(found):
+        for (label, direction), (marker, colour) in zip(found.marks.items(), looks, strict=True):
             place = (distance * math.sin(direction), distance * math.cos(direction))
             words = f"{label}, {math.degrees(direction):.2f}°"
             axes.plot(*place, marker, color=colour, markeredgecolor=BLACK, label=words)
     axes.plot([], [], "s", color="white", markeredgecolor=GREY, label="no cued strike")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
-
-
-def _marks(found: CueMap) -> list[tuple[str, float, str, str]]:
-    """Return name, direction from the hub's centre, rad, marker and colour of each mark."""
-    bar = found.tool.bar
-    assert bar is not None
-    own = "printed position" if bar == Bar() else "the tool's bar"
-    marks = [(own, math.atan2(bar.horizontal, bar.vertical), "s", "white")]
-    if found.formula is not None:
-        marks.append(("by the formula", found.formula, "^", BLUE))
-    return [
-        *marks,
-        ("radial strike", found.radial.direction, "o", VERMILION),
-        ("fastest tip at this distance", found.fastest.direction, "+", BLACK),
-    ]

@@ -9,7 +9,6 @@ strike.
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -61,7 +60,7 @@ def placed(tool: Tool, direction: float) -> Tool:
     """Return the tool with its bar moved to another direction, rad, at the same distance from the
     hub's centre.
     """
-    return tool.replace(**{key: float(each) for key, each in centre_of(tool, direction).items()})
+    return tool.replace(**centre_of(tool, direction))
 
 
 def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
@@ -117,27 +116,24 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
         raise NotCuedError(f"{NOT_RADIAL}; {words}")
     first = falls[np.abs(directions[falls] + 0.5 * step - guess).argmin()]
 
-    @functools.cache
-    def at(direction: float) -> Measures:
-        return _single(strikes, direction)
-
     def lag(direction: float) -> float:
-        return at(direction)["lag_deg_at_contact"]
+        return _place(strikes, direction).strike["lag_deg_at_contact"]
 
-    ends = (float(each) for each in directions[first : first + 2])
-    direction = float(toms748(lag, *ends, xtol=FINEST_DIRECTION, rtol=4e-15))
-    if not abs(lag(direction)) <= LAG_JUMP:
-        where = f"at {math.degrees(direction):.6g} deg"
+    ends = directions[first : first + 2].tolist()
+    place = _place(strikes, toms748(lag, *ends, xtol=FINEST_DIRECTION, rtol=4e-15))
+    if not abs(place.strike["lag_deg_at_contact"]) <= LAG_JUMP:
+        where = f"at {math.degrees(place.direction):.6g} deg"
         raise NotCuedError(f"{NOT_RADIAL}; {where} the lag jumps from one sign to the other")
-    return Place(direction, at(direction))
+    return place
 
 
-def _single(strikes: Strikes, direction: float) -> Measures:
-    """Return the measures of the strike for one direction of the bar, rad; NaN without a cued
-    strike.
+def _place(strikes: Strikes, direction: float) -> Place:
+    """Return a direction of the bar, rad, with the measures of its strike; they are NaN without a
+    cued strike.
     """
     found = strikes(np.array([direction]))
-    return {name: float(each[0]) for name, each in found.items() if name != REASON}
+    measures = {name: float(each[0]) for name, each in found.items() if name != REASON}
+    return Place(float(direction), measures)
 
 
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
@@ -148,21 +144,20 @@ def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
     """
     directions = start + step * np.arange(-math.floor(start / step), (math.pi - start) / step)
     speeds = np.nan_to_num(strikes(directions)["tip_speed_at_contact"])
+    speeds = np.pad(speeds, 1, constant_values=-1.0)
     middle = math.floor(start / step)
-    while True:  # walk uphill until both neighbours are slower
-        around = slice(max(middle - 1, 0), middle + 2)
-        best = around.start + int(speeds[around].argmax())
-        if best == middle:
-            break
-        middle = best
-    bounds = (max(directions[middle] - step, 0.0), min(directions[middle] + step, math.pi))
+    while uphill := int(speeds[middle : middle + 3].argmax()) - 1:
+        middle += uphill
+
+    def slowness(direction: float) -> float:
+        speed = _place(strikes, direction).strike["tip_speed_at_contact"]
+        return -speed if math.isfinite(speed) else 0.0
+
+    bounds = np.clip(directions[middle] + step * np.array([-1.0, 1.0]), 0.0, math.pi)
     found = minimize_scalar(
-        lambda direction: -np.nan_to_num(_single(strikes, direction)["tip_speed_at_contact"]),
-        bounds=bounds,
-        method="bounded",
-        options={"xatol": FINEST_MAXIMUM},
+        slowness, bounds=bounds, method="bounded", options={"xatol": FINEST_MAXIMUM}
     )
-    return Place(float(found.x), _single(strikes, float(found.x)))
+    return _place(strikes, found.x)
 
 
 def retraction(tool: Tool) -> float:

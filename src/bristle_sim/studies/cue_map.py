@@ -19,7 +19,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import UNKNOWN, Report, Values, rows
 from bristle_sim.dissertation.printed import printed_cue
-from bristle_sim.parameters import MapGrid, Tool
+from bristle_sim.parameters import Bar, MapGrid, Tool
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies import bar_search
@@ -70,6 +70,22 @@ class CueMap:
     fastest: bar_search.Place
     formula: float | None
 
+    @property
+    def marks(self) -> dict[str, float]:
+        """Directions of the bar that the maps show, rad, by name; the first is that of the tool's
+        own bar.
+        """
+        bar = self.tool.bar
+        assert bar is not None
+        own = "printed position" if bar == Bar() else "the tool's bar"
+        found = {own: math.atan2(bar.horizontal, bar.vertical)}
+        if self.formula is not None:
+            found["by the formula"] = self.formula
+        return found | {
+            "radial strike": self.radial.direction,
+            "fastest tip at this distance": self.fastest.direction,
+        }
+
 
 def cue_map(
     tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True
@@ -87,21 +103,20 @@ def cue_map(
     strikes, step = bar_search.strikes_of(tool, settings)
     radial = bar_search.radial_place(tool, strikes, step)
     fastest = bar_search.fastest_place(strikes, step, radial.direction)
-    simulated = _named(tool, radial, fastest)
     theory = UNKNOWN
-    referred = UNKNOWN
     printed = UNKNOWN
-    if with_reference:
-        referred = _referred(tool, settings, radial, fastest)
-    # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
-    tolerance = 10.0 * max(1e-8, settings.accuracy)
-    steep = abs(math.tan(radial.direction))
-    within = dict.fromkeys(QUANTITIES, tolerance) | {
-        "bar_vertical": tolerance * max(1.0, steep),
-        "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
-        "bar_direction_for_highest_tip_speed_deg": tolerance
-        + 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
-    }
+    referred = UNKNOWN
+    within: Values = UNKNOWN
+    formula = None
+    if tool.belt.stiffness:  # by the formula the radial and the fastest strike are the same
+        cue = cueing.cue(tool, bar_search.retraction(tool))
+        formula = cue.bar_direction
+        speed = cue.highest_relative_speed
+        tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
+        place = bar_search.Place(
+            formula, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip}
+        )
+        theory = _named(tool, place, place)
     if tool == Tool():
         names = (
             "relative_speed_at_contact",
@@ -110,33 +125,28 @@ def cue_map(
             "bar_vertical",
         )
         printed = dict(zip(names, printed_cue().values(), strict=True))
-    cue = cueing.cue(tool, bar_search.retraction(tool)) if tool.belt.stiffness else None
-    if cue is not None:  # in it the radial and the fastest strike are the same
-        speed = cue.highest_relative_speed
-        tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
-        place = bar_search.Place(
-            cue.bar_direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip}
-        )
-        theory = _named(tool, place, place)
+    if with_reference:
+        referred = _referred(tool, settings, radial, fastest)
+        # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
+        tolerance = 10.0 * max(1e-8, settings.accuracy)
+        steep = abs(math.tan(radial.direction))
+        within = dict.fromkeys(QUANTITIES, tolerance) | {
+            "bar_vertical": tolerance * max(1.0, steep),
+            "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
+            "bar_direction_for_highest_tip_speed_deg": tolerance
+            + 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
+        }
     random = np.random.default_rng(1).uniform(-CHECKED_RANGE, CHECKED_RANGE, CHECKED_POINTS)
     directions = radial.direction + np.append(0.0, random)
     check = checked_by_scene(tool, settings, bar_search.centre_of(tool, directions))
+    found = CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula)
+    stiffened = math.degrees(bar_search.stiffened_direction(tool))
+    simulated = _named(tool, radial, fastest)
     return Report(
-        quantities=rows(
-            QUANTITIES, simulated, theory, referred, printed, within if with_reference else UNKNOWN
-        ),
-        remarks=(
-            f"the formula with centrifugal stiffening: {math.degrees(bar_search.stiffened_direction(tool)):.3f} deg",
-        ),
-        subject=CueMap(
-            tool,
-            settings,
-            grid or MapGrid(),
-            radial,
-            fastest,
-            None if cue is None else cue.bar_direction,
-        ),
-        answer=f"{_found_in_words(simulated)} {_where_it_stands(tool, strikes)}; {check}.",
+        quantities=rows(QUANTITIES, simulated, theory, referred, printed, within),
+        remarks=(f"the formula with centrifugal stiffening: {stiffened:.3f} deg",),
+        subject=found,
+        answer=f"{_found_in_words(found)} {_where_it_stands(found, strikes)}; {check}.",
         wall_s=clock.perf_counter() - started,
     )
 
@@ -173,33 +183,33 @@ def _referred(
     return _named(tool, bar_search.Place(root, measures), best)
 
 
-def _found_in_words(simulated: Values) -> str:
-    found = {name: value or 0.0 for name, value in simulated.items()}
-    direction = found["bar_direction_for_radial_strike_deg"]
-    apart = found["bar_direction_for_highest_tip_speed_deg"] - direction
-    fastest = (
+def _found_in_words(found: CueMap) -> str:
+    bar = bar_search.placed(found.tool, found.radial.direction).bar
+    assert bar is not None
+    direction = math.degrees(found.radial.direction)
+    apart = math.degrees(found.fastest.direction) - direction
+    best = (
         "there the tip is also fastest"
         if abs(apart) < 0.05
         else f"the tip is fastest {apart:+.2f}° from there"
     )
-    horizontal, vertical = (1e3 * found[name] for name in ("bar_horizontal", "bar_vertical"))
-    side = "below" if vertical >= 0.0 else "above"
-    place = f"{horizontal:.2f} mm before the hub's axis and {abs(vertical):.2f} mm {side} it"
+    side = "below" if bar.vertical >= 0.0 else "above"
+    place = f"{1e3 * bar.horizontal:.2f} mm before the hub's axis and {1e3 * abs(bar.vertical):.2f} mm {side} it"
     return (
-        f"For a radial strike the bar must stand at {direction:.2f}° from the workpart's normal, {place}; {fastest},"
-        f" {amount(found['highest_tip_speed'], 'm/s')}."
+        f"For a radial strike the bar must stand at {direction:.2f}° from the workpart's normal, {place}; {best},"
+        f" {amount(found.fastest.strike['tip_speed_at_contact'], 'm/s')}."
     )
 
 
-def _where_it_stands(tool: Tool, strikes: bar_search.Strikes) -> str:
-    assert tool.bar is not None
-    own = math.atan2(tool.bar.horizontal, tool.bar.vertical)
-    found = strikes(np.array([own]))
+def _where_it_stands(found: CueMap, strikes: bar_search.Strikes) -> str:
+    own = next(iter(found.marks.values()))
+    strike = strikes(np.array([own]))
     stands = f"In its present place, at {math.degrees(own):.2f}°"
-    if found[REASON][0]:
-        return f"{stands}, there is no cued strike: {found[REASON][0]}"
-    lag = float(found["lag_deg_at_contact"][0])
-    return f"{stands}{' as printed' if tool == Tool() else ''}, the strike is {beside_radial(lag)}"
+    if strike[REASON][0]:
+        return f"{stands}, there is no cued strike: {strike[REASON][0]}"
+    lag = float(strike["lag_deg_at_contact"][0])
+    printed = " as printed" if found.tool == Tool() else ""
+    return f"{stands}{printed}, the strike is {beside_radial(lag)}"
 
 
 def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> Values:
@@ -222,13 +232,8 @@ def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
         The coordinates S_H and S_V of the bar, m, and the measures of the strikes by name, shape
         (S_V, S_H); NaN where there is no cued strike.
     """
-    assert found.tool.bar is not None
-    directions = [found.radial.direction, found.fastest.direction]
-    if found.formula is not None:
-        directions.append(found.formula)
-    own = bar_search.centre_of(found.tool, np.array(directions))
-    bar = (found.tool.bar.horizontal, found.tool.bar.vertical)
-    places = np.array([np.append(each, at) for each, at in zip(own.values(), bar, strict=True)])
+    directions = np.array([*found.marks.values()])
+    places = np.array([*bar_search.centre_of(found.tool, directions).values()])
     low, high = places.min(axis=1), places.max(axis=1)
     middle = 0.5 * (low + high)
     half = max(found.grid.half_width, ROOM * float((high - low).max()))

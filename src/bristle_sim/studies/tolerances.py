@@ -166,15 +166,13 @@ def propagated(
     dy/dx_i h_i; uniformly distributed inputs then give the standard deviation sqrt(sum (.)^2/3). An
     output without a value is left out.
     """
-    size = 2 * len(intervals)
-    points = {key: np.full(size, 0.5 * sum(ends)) for key, ends in intervals.items()}
+    shape = (len(intervals), 2)
+    points = {key: np.full(shape, 0.5 * sum(ends)) for key, ends in intervals.items()}
     for number, (key, ends) in enumerate(intervals.items()):
-        points[key][2 * number : 2 * number + 2] = ends
+        points[key][number] = ends
     found = function(**points)
     return {
-        name: dict(
-            zip(intervals, (0.5 * np.diff(values.reshape(-1, 2))[:, 0]).tolist(), strict=True)
-        )
+        name: dict(zip(intervals, (0.5 * np.diff(values)[:, 0]).tolist(), strict=True))
         for name, values in found.items()
         if values.dtype.kind == "f" and np.isfinite(values).all()
     }
