@@ -33,20 +33,24 @@ error is assumed to grow linearly."""
 
 
 def end_contacts(
-    system: System, contacts: Sequence[ActiveContact], ending: Sequence[ActiveContact], outcome: str
+    system: System,
+    contacts: Sequence[ActiveContact],
+    ending: Sequence[ActiveContact],
+    outcome: str,
+    *,
+    released: bool = False,
 ) -> tuple[ActiveContact, ...]:
-    """Record the contacts in ``ending`` as ended, and return the other contacts."""
+    """Record the contacts in ``ending`` as ended, and return the other contacts.
+
+    ``released``: whether each of these ends is an event of the run, a release.
+    """
     system.scene.keep_closed(())
     for contact in ending:
         if record := contact.record(system.gaps, system.state, outcome):
             system.recording.contacts.append((record, system.links_of(contact.pair)))
+        if released:
+            system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
     return tuple([contact for contact in contacts if contact not in ending])
-
-
-def name_releases(system: System, contacts: Sequence[ActiveContact]) -> None:
-    """Record an event for the release of each contact."""
-    for contact in contacts:
-        system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
 
 
 def jam(system: System, *pairs: ContactPair) -> None:
@@ -75,8 +79,8 @@ def resolve_impacts(
         # Another straight segment of the same link takes over the contact.
         contacts = end_contacts(system, contacts, known, pair.name)
     elif single_link:
-        contacts = end_contacts(system, contacts, motion.ordered, Outcome.RELEASE)
-        name_releases(system, motion.ordered)
+        ending = motion.ordered
+        contacts = end_contacts(system, contacts, ending, Outcome.RELEASE, released=True)
     left = _least_opening_rate(system, pair) if single_link else math.inf
     system.scene.keep_closed(())
     record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
@@ -141,8 +145,7 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
         return Motion(motion.contacts)
     leaving = tuple(pair for pair in closed if rates[pair] > slow)
     released = [contact for pair, contact in lasting.items() if pair in leaving]
-    end_contacts(system, motion.contacts, released, touched.name)
-    name_releases(system, released)
+    end_contacts(system, motion.contacts, released, touched.name, released=True)
     for contact in lasting.values():
         contact.slip = None
     springs = _springs_after_impact(system, motion)

@@ -10,12 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from bristle_sim.scene.collisions import (
-    end_contacts,
-    jam,
-    name_releases,
-    resolve_impacts,
-)
+from bristle_sim.scene.collisions import end_contacts, jam, resolve_impacts
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.events import (
     SPRING_KINDS,
@@ -84,8 +79,8 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         motion = _after_spring_event(system, motion, subject, kind)
     elif kind is Kind.RELEASE:
         separating = (*motion.separating, *(contact.pair for contact in subject))
-        motion = Motion(end_contacts(system, active, subject, Outcome.RELEASE), separating)
-        name_releases(system, subject)
+        staying = end_contacts(system, active, subject, Outcome.RELEASE, released=True)
+        motion = Motion(staying, separating)
     elif kind is Kind.HAND_OVER:
         contact, following = subject
         staying = end_contacts(system, active, [contact], following.name)

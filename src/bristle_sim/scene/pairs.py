@@ -12,6 +12,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import ClassVar, NamedTuple
 
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector
@@ -85,6 +86,10 @@ def components(velocity: complex, normal: complex) -> Vector:
     return (turned.real, -turned.imag)
 
 
+SAME_FRICTION = property(attrgetter("friction"))
+"""Coefficient of friction in restitution that equals the coefficient in compression."""
+
+
 class FixedPair(ABC):
     """The base class of pairs with a fixed obstacle."""
 
@@ -156,6 +161,7 @@ class BarPair(FixedPair):
     first_touch: ClassVar[str] = "bar touch"
     dent: float = 0.0
     corner: ClassVar[None] = None
+    restitution_friction = SAME_FRICTION
 
     def __post_init__(self) -> None:
         """Check that the bar is so thick that rounding errors cannot put the wire on its other side.
@@ -169,11 +175,6 @@ class BarPair(FixedPair):
                 f"bar_radius + wire_diameter / 2 = {reach:.3g} of the bristle's length: must be at least"
                 f" {LEAST_REACH:g} (dimensionless)"
             )
-
-    @property
-    def restitution_friction(self) -> float:
-        """Coefficient of friction in restitution; it equals the coefficient in compression."""
-        return self.friction
 
     def lines(self, corners: tuple[complex, ...]) -> list[Line]:
         """Return all straight segments of the link."""
@@ -273,11 +274,7 @@ class WirePair:
     first_touch: ClassVar[str] = "wire touch"
     dent: float = 0.0
     corner: ClassVar[None] = None
-
-    @property
-    def restitution_friction(self) -> float:
-        """Coefficient of friction in restitution; it equals the coefficient in compression."""
-        return self.friction
+    restitution_friction = SAME_FRICTION
 
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
