@@ -9,7 +9,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.reference.contacts import Point, Touch, Workpart, follows
-from bristle_sim.reference.forces import EDGE, acting, closed
+from bristle_sim.reference.forces import EDGE, acting, closed, solve
 from bristle_sim.reference.state import Compliant, State, Sustained
 from bristle_sim.reference.system import Instant, System
 from bristle_sim.theory.contact_spring import ContactSpring
@@ -146,7 +146,7 @@ def _impact(
     The second result is the change of the rates, rad/s, per unit normal and per unit tangential
     impulse, shape (links, 2).
     """
-    response: Array = np.asarray(np.linalg.solve(instant.mass, touch.rows.T), float)
+    response = solve(instant.mass, touch.rows.T)
     inverse_mass = 0.5 * (touch.rows @ response + response.T @ touch.rows.T)
     coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
     hit = energetic_impact(
@@ -292,7 +292,7 @@ def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point])
     if not points:
         return state
     instant = system.at(state)
-    free = np.linalg.solve(instant.mass, instant.forces)
+    free = solve(instant.mass, instant.forces)
     low = []
     for touch in (instant.touch(point) for point in points):
         falling = float(touch.rows[0] @ free) + touch.bias[0]

@@ -71,10 +71,15 @@ class Balance(NamedTuple):
     pushes: Array
 
 
+def solve(matrix: Array, right: Array) -> Array:
+    """Return the solution of a system of linear equations."""
+    return np.asarray(np.linalg.solve(matrix, right), dtype=float)
+
+
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Return the accelerations and the contact forces that solve the equations of motion."""
     if not contacts:
-        return Balance(np.asarray(np.linalg.solve(mass, forces), float), np.zeros((0, 2)))
+        return Balance(solve(mass, forces), np.zeros((0, 2)))
     size = len(forces)
     known = np.array(forces, dtype=float)
     # For each unknown force its effect on the links, and the row and bias that it must keep at rest.
@@ -98,7 +103,7 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     matrix[:size, :size] = mass
     matrix[size:, :size] = np.reshape(rows, (-1, size))
     matrix[:size, size:] = -np.reshape(effects, (-1, size)).T
-    found = np.linalg.solve(matrix, np.append(known, np.negative(biases)))
+    found = solve(matrix, np.append(known, np.negative(biases)))
     unknown = iter(found[size:].tolist())
     pushes = []
     for each in contacts:
@@ -156,37 +161,41 @@ def _consistent(
     others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
     if any(touch.rows[0] @ accelerations + touch.bias[0] < 0.0 for touch in others):
         return False
-    free = np.asarray(np.linalg.solve(mass, forces), float)
+    free = solve(mass, forces)
     return all(
-        each.rub is not None
-        or (_in_cone(mass, each, *push) and _slips_on(each, accelerations, free, still))
+        _obeys_coulomb(mass, each, push, accelerations, free, still)
         for each, push in zip(chosen.values(), pushes.tolist(), strict=True)
     )
 
 
-def _in_cone(mass: Array, each: Acting, normal: float, tangential: float) -> bool:
-    """Return whether the forces of a contact obey Coulomb's law.
+def _obeys_coulomb(
+    mass: Array,
+    each: Acting,
+    push: tuple[float, float],
+    accelerations: Array,
+    free: Array,
+    still: float,
+) -> bool:
+    """Return whether forces and motion of a contact obey Coulomb's law.
 
     A rigid contact must push, and friction must not lock it. The force of a sticking contact must
-    be within the friction cone.
+    be within the friction cone. A contact that begins to slip must accelerate in the sense of its
+    slip. A contact that rests without a friction force must not accelerate. ``free`` holds the
+    accelerations of the links without contacts, rad/s^2.
     """
+    normal, tangential = push
+    if each.rub is not None:
+        return True
     if each.push is None and (
         normal < 0.0 or (each.slip and normal_response(mass, each.touch, each.ratio) <= 0.0)
     ):
         return False
-    return not each.sticks or abs(tangential) <= (1.0 - EDGE) * each.friction * normal
-
-
-def _slips_on(each: Acting, accelerations: Array, free: Array, still: float) -> bool:
-    """Return whether the tangential acceleration of a contact agrees with its assumed slip.
-
-    A contact that begins to slip must accelerate in the sense of its slip. A contact that rests
-    without a friction force must not accelerate. All other contacts agree. ``free`` holds the
-    accelerations of the links without contacts, rad/s^2.
-    """
-    if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
+    if each.sticks:
+        return abs(tangential) <= (1.0 - EDGE) * each.friction * normal
+    if not each.friction or abs(each.touch.velocity[1]) > still:
         return True
-    row, bias = each.touch.rows[1], each.touch.bias[1]
+    row = each.touch.rows[1]
+    bias = each.touch.bias[1]
     begins = float(row @ accelerations + bias)
     rounding = EDGE * float(np.abs([*row * accelerations, *row * free, bias]).max())
     return each.slip * begins >= -rounding if each.slip else abs(begins) <= rounding
@@ -200,7 +209,7 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
     contact.
     """
     normal, tangential = touch.rows
-    return float(normal @ np.linalg.solve(mass, normal + ratio * tangential))
+    return float(normal @ solve(mass, normal + ratio * tangential))
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
@@ -209,7 +218,7 @@ def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
     The changes are smallest in the norm of the mass matrix.
     """
     rows = np.array([touch.rows[0] for touch in touches])
-    response = np.linalg.solve(mass, rows.T)
+    response = solve(mass, rows.T)
     amounts = np.array([[touch.gap, touch.velocity[0]] for touch in touches])
-    changes = -response @ np.linalg.solve(rows @ response, amounts)
+    changes = -response @ solve(rows @ response, amounts)
     return changes[:, 0], changes[:, 1]

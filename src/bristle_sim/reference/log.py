@@ -168,10 +168,10 @@ class Log:
         for point, push in pushes:
             for own in self.of(point):
                 forces[own.number] += push
-        values = np.concatenate([[state.time], state.rates, forces.ravel()])
         if self.samples:
             last, pushed = self.samples[-1]
-            if (values == np.concatenate([[last.time], last.rates, pushed.ravel()])).all():
+            moved = last.time != state.time or (last.rates != state.rates).any()
+            if not moved and (pushed == forces).all():
                 return
         self.samples.append((state, forces))
 
