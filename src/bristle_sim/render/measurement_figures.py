@@ -118,10 +118,7 @@ def _draw_map(axes: Axes, film: FilmMap, values: Array, measured: float) -> None
         axes.contour(x, y, line, levels=[level], colors=VERMILION, linewidths=1.4)
     row, column = film.nearest
     axes.plot(x[column], y[row], **NEAREST)
-    across, up = (
-        np.unique(np.linspace(0, each.size - 1, most).round().astype(int))
-        for each, most in ((x, 3), (y, 6))
-    )
+    across, up = (slice(None, None, -(-size // most)) for size, most in ((x.size, 4), (y.size, 6)))
     axes.set_xticks(x[across], [f"{MICROSECONDS * each:.0f}" for each in film.durations[across]])
     axes.set_yticks(y[up], [f"{each:.2g}" for each in film.dampings[up]])
     axes.set_xlabel("contact duration (µs)")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -78,50 +79,63 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
     """
     start = float(trajectory.time[0])
     events = _notable(trajectory)
-    contact = trajectory.first_contact("workpart")
-    strike = trajectory.event_time("strike")
     lags = abs(trajectory.relative_rate[0]) > LAGGING * abs(trajectory.hub_speed)
-    found = [Phase(start, "lags behind the hub by its inertia" if lags else "turns with the hub")]
+    first = "lags behind the hub by its inertia" if lags else "turns with the hub"
     if abs(trajectory.relative_angle[0]) > CARRIED:
-        found = [Phase(start, THROWN)]
+        first = THROWN
+    found = [Phase(start, first)]
     for number, event in enumerate(events):
-        obstacle = event.name.removesuffix(" touch")
         later = events[number + 1 :]
         if event.name == "strike":
-            ends = [event.time + strike_shown]
-            ends += [each.time for each in later if each.time > event.time]
-            outcome = (
-                "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
-            )
-            if contact is None or contact.history is None:
-                found += [Phase(event.time, "strike"), Phase(min(ends), outcome)]
-            else:
-                deepest = float(contact.history.time[np.argmax(contact.history.penetration)])
-                found += [
-                    Phase(event.time, "strike: compression"),
-                    Phase(deepest, "strike: restitution"),
-                ]
-                found.append(Phase(contact.time + contact.duration, outcome))
-        # a touch is sustained if a release follows or it lasts to the end, otherwise it is a bounce
-        elif obstacle in _SUSTAINED:
-            following = next(
-                (each.name for each in later if each.name.startswith(f"{obstacle} ")), ""
-            )
-            bounce = following != f"{obstacle} release" and not _lasts(trajectory, event, obstacle)
-            found.append(
-                Phase(event.time, f"bounces off the {obstacle}" if bounce else _SUSTAINED[obstacle])
-            )
-        elif event.name == "bar release" and any(
-            each.name == "bar touch" and (strike is None or each.time < strike) for each in later
-        ):
-            found.append(Phase(event.time, "off the bar"))
-        elif event.name == "largest retraction" and (
-            event.time < strike if strike is not None else not lags
-        ):
-            continue  # before a strike the release begins the phase
-        elif event.name in _CAPTIONS and (event.name != "highest relative speed" or strike is None):
-            found.append(Phase(event.time, _CAPTIONS[event.name]))
+            found += _strike(trajectory, event, later, strike_shown)
+        elif caption := _caption(trajectory, event, later, lags):
+            found.append(Phase(event.time, caption))
     return tuple(sorted(found, key=lambda phase: phase.start))
+
+
+def _strike(
+    trajectory: Trajectory, strike: Event, later: Sequence[Event], shown: float
+) -> list[Phase]:
+    contact = trajectory.first_contact("workpart")
+    outcome = "rebound" if contact is None else contact.outcome
+    outcome = OUTCOMES.get(outcome, outcome)
+    if contact is None or contact.history is None:
+        ends = [each.time for each in later if each.time > strike.time]
+        end = min([strike.time + shown, *ends])
+        return [Phase(strike.time, "strike"), Phase(end, outcome)]
+    deepest = float(contact.history.time[np.argmax(contact.history.penetration)])
+    return [
+        Phase(strike.time, "strike: compression"),
+        Phase(deepest, "strike: restitution"),
+        Phase(contact.time + contact.duration, outcome),
+    ]
+
+
+def _caption(trajectory: Trajectory, event: Event, later: Sequence[Event], lags: bool) -> str:
+    """Return the caption of the phase that an event other than the strike begins, or an empty text.
+
+    ``lags`` states whether the bristle lags behind the hub at the start.
+    """
+    name = event.name
+    strike = trajectory.event_time("strike")
+    obstacle = name.removesuffix(" touch")
+    if obstacle in _SUSTAINED:
+        # a touch is sustained if a release follows or it lasts to the end, otherwise it is a bounce
+        own = (each.name for each in later if each.name.startswith(f"{obstacle} "))
+        released = next(own, "").endswith(" release")
+        if released or _lasts(trajectory, event, obstacle):
+            return _SUSTAINED[obstacle]
+        return f"bounces off the {obstacle}"
+    if name == "bar release" and any(
+        each.name == "bar touch" and (strike is None or each.time < strike) for each in later
+    ):
+        return "off the bar"
+    skipped = {
+        # before a strike the release begins the phase
+        "largest retraction": not lags if strike is None else event.time < strike,
+        "highest relative speed": strike is not None,
+    }
+    return "" if skipped.get(name) else _CAPTIONS.get(name, "")
 
 
 def _lasts(trajectory: Trajectory, touch: Event, obstacle: str) -> bool:
