@@ -154,10 +154,8 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
 
 
 def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact, ...]:
-    """Set the phases of all contacts with springs anew after an impact elsewhere on the wire, and
-    return these contacts.
-
-    The impact changes the velocities of their contact points.
+    """Return the contacts with springs after an impact elsewhere on the wire, each in the phase
+    that fits the new velocity of its contact point.
     """
     for spring in motion.springs:
         spring.at_rest = False

@@ -86,7 +86,7 @@ def contact_rows(
 
 
 class ContactPoint(NamedTuple):
-    """How a contact point moves when an impulse acts on it.
+    """The response of a contact point, and of the links' rates, to an impulse at this point.
 
     Attributes:
         touch: closest approach of link and obstacle.
@@ -106,7 +106,7 @@ class ContactPoint(NamedTuple):
 
 
 def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> ContactPoint:
-    """Return the contact point of a pair in a state.
+    """Return the closest approach of a pair in a state, and its response to an impulse there.
 
     With the mass matrix M = L L^T and the Jacobian J of the contact velocities, K = J M^-1 J^T. The
     motion in stick is the part of the normal's column of L^-1 J^T that is orthogonal to the

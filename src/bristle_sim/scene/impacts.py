@@ -138,8 +138,10 @@ def impact_at(
 
 
 def ending_together(point: ContactPoint, accuracy: float) -> Vector:
-    """Return the velocity of a contact point, with the slip velocity corrected so that slip and
-    approach end together, if they do so within the accuracy.
+    """Return the velocity of a contact point before an impact.
+
+    If slip and approach end together within the accuracy, the slip velocity is corrected so that
+    they do so exactly.
 
     A contact point that has one degree of freedom moves such that v_t/v_n = K_nt/K_nn, with its
     slip velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K. Its slip

@@ -192,10 +192,11 @@ class BarPair(FixedPair):
         return distance - self.radius - thickness + self.dent, place - thickness * normal, normal
 
     def ends_passed(self, pose: Pose) -> list[float]:
-        """Return how far along the link the bar's centre is from both ends of each straight
-        segment, from the joint to the tip, in lengths of the segment.
+        """Return the place of the bar's centre along each straight segment of the link, measured
+        from the segment's start and from its end, in lengths of the segment.
 
-        Where a number is 0, the contact point passes a joint, a knee or the tip.
+        There are two numbers for each segment, from the joint to the tip. Where one is 0, the
+        contact point passes a joint, a knee or the tip.
         """
         lines = self.lines(pose.corners)
         feet = [((self.centre - start) / (end - start)).real for start, end in lines]

@@ -1,34 +1,38 @@
-"""The velocities of links that obey their joints and sustained contacts: for several links by one
-linear solve per step, for a single link in closed form.
+"""The velocities of links after an engine step, corrected to obey joints and sustained contacts.
 
-The engine corrects one joint after the other, which takes about 16 n^2 iterations for a chain of n
-links. The solver here instead projects the engine's velocities v onto the velocities that obey the
-joints; the projection is orthogonal in the norm of the kinetic energy. The engine's corrections
-M^-1 J^T times impulses, with the mass matrix M and the joints' Jacobian J, do not change the
-projection, so one iteration of the engine is enough. The projected velocities are
+Several links are corrected together by one linear solve, a single link in closed form.
 
-    v_k = v_root + sum_j g_kj i E_j rate_j,
-    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 w_0,
+**Joints.** The engine corrects one joint after the other. A chain of n links would need some 16 n^2
+iterations of this. Here one iteration of the engine is enough, because the solver replaces the
+engine's velocities v by the nearest velocities that obey the joints. Nearness is measured by the
+kinetic energy, so the impulses that the engine has applied at joints do not matter. The velocities
+that obey the joints follow from the links' rates:
 
-with E_j = e^{i angle_j}. At the angle 0, g_kj is the vector from the
-joint of link j to the next joint (j < k) or to the link's centre (j = k). B holds the derivatives
-of the velocities with respect to the rates. C is the damping matrix of belt and hinges, implicit
-over the time s. c_0 is a vector: the belt's damping for the first link of a wire, 0 for the others;
-w_0 is the hub's speed. In a plain step s is the step. In a symmetric step v is the mean of old and
-new velocities and s is half the step, so that joints and damping are satisfied at the midpoint.
-With positions half a step ahead, the error of an even number of symmetric steps has only even
-powers of the step (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, sec. II.4 and
-V.1).
+    v_k = v_root + sum_j g_kj i E_j rate_j,    E_j = e^{i angle_j}.
 
-Sustained contacts add the impulses p that keep their points in contact. The rows R give the contact
-velocities that must be zero: the normal velocities, and the slip velocities in stick. The rows Q
-give the directions in which the impulses act, friction included. Then
+At the angle 0, g_kj is the vector from the joint of link j to the next joint (j < k) or to the
+link's centre (j = k). B holds the derivatives of the velocities with respect to the rates, and M
+the masses. The nearest rates are the solution of
+
+    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 w_0.
+
+The terms with the time s are the implicit damping: C is the damping matrix of belt and hinges, c_0
+the belt's damping for the first link of a wire and 0 for the others, w_0 the hub's speed.
+
+**Symmetric steps.** In a plain step s is the step. In a symmetric step v is the mean of old and new
+velocities, and s is half the step. Joints and damping are then satisfied at the midpoint. With
+positions half a step ahead, the error of an even number of symmetric steps has only even powers of
+the step (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, sec. II.4 and V.1).
+
+**Contacts.** Sustained contacts add the impulses p that keep their points in contact. The rows R
+give the contact velocities that must be zero: the normal velocities, and the slip velocities in
+stick. The rows Q give the directions in which the impulses act, friction included. Then
 
     (R M^-1 Q^T) p = -R rates - u,    change of the rates = M^-1 Q^T p,
 
 where M is now the mass matrix in the rates, with damping, and u holds the contact velocities that
-the roots' motion causes. For a single link and one contact all of these are numbers; the matrices
-would make a pass 2.5 times as slow.
+the motion of the roots causes. For a single link with one contact all of these are numbers;
+matrices would make a pass 2.5 times as slow.
 """
 
 from __future__ import annotations
@@ -65,7 +69,7 @@ the angular velocity by less than any requested accuracy."""
 
 
 class WireVelocities:
-    """Sets the velocities of all links after each engine step so that they obey joints and
+    """Corrects the velocities of all links after each engine step, so that they obey joints and
     contacts.
 
     Attributes:
@@ -243,8 +247,8 @@ class WireVelocities:
 
 
 def _nearest(mass: Array, rows: Array, amounts: Array) -> Array:
-    """Return the change of smallest norm, measured by the mass matrix, whose product with ``rows``
-    is ``amounts``.
+    """Return the smallest change of angles or rates, measured by the mass matrix, that changes
+    gaps or velocities by given amounts; ``rows`` is the Jacobian of these.
     """
     response = np.linalg.solve(mass, rows.T)
     return np.asarray(response @ np.linalg.lstsq(rows @ response, amounts, rcond=DEPENDENT)[0])
@@ -257,7 +261,8 @@ _set_velocity = lib.cpBodySetVelocity
 
 
 class LinkVelocity:
-    """Sets the rate of a single link after each engine step so that its one contact stays closed.
+    """Corrects the rate of a single link after each engine step, so that its one contact stays
+    closed.
 
     Attributes:
         impulses: for each step, a list with one entry for the contact: (normal impulse, tangential

@@ -226,9 +226,7 @@ class SpringContact(ActiveContact):
         )
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
-        """Return by how much the magnitude of a force in stick is below the friction limit at a
-        penetration.
-        """
+        """Return the friction limit at a penetration minus the magnitude of a force in stick."""
         return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
     def rest_margins(self, penetration: float, force: float) -> Vector:

@@ -54,10 +54,10 @@ def begin_spring(
 
 
 def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringContact | None:
-    """Return a new contact of a single link's tip that the last contact has left at rest on the
-    surface; None if no force presses the tip against it.
+    """Return a new contact with a spring for a tip that is left at rest on the surface; None if no
+    force presses the tip against it.
 
-    A static load compresses the spring by the load over the stiffness. Where the belt is the load
+    The tip is that of a single link whose last contact has just ended. A static load compresses the spring by the load over the stiffness. Where the belt is the load
     and the contact is not very short, this compression exceeds the accuracy. Without restitution
     the spring is compressed again after each contact.
     """
@@ -172,12 +172,11 @@ def _end_compression(system: System, motion: Motion, spring: SpringContact) -> O
 
 
 def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> bool:
-    """Return whether the contact point goes on slipping at the deepest point while friction holds
-    its normal velocity at zero.
+    """Return whether the contact point stays at its greatest depth for a while, slipping.
 
-    This happens where the friction of restitution would press the contact point deeper and the
-    friction of compression would lift it. Neither unloading nor further loading is then consistent,
-    so the normal velocity stays zero under a friction force between the two. If friction presses
+    Friction then holds the normal velocity at zero. This happens where the friction of restitution
+    would press the contact point deeper and the friction of compression would lift it. Neither
+    unloading nor further loading is then consistent, so the friction force is between the two. If friction presses
     the point into the surface, the friction of restitution is the larger one. If the other bodies
     press it in against friction, the friction of restitution is the smaller one. With a tangential
     spring the force oscillates between the two; the mean of a fast oscillation is the same.
@@ -229,7 +228,7 @@ def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
 
 
 def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
-    """Decide whether the attachment ("foot") of the tangential spring slides along the surface.
+    """Decide whether the foot of the tangential spring, its attachment to the surface, slides.
 
     The foot slides if the spring's force is on the edge of the friction cone and would leave the
     cone. It would leave the cone if the foot's velocity has the sense of slip that the force
