@@ -5,10 +5,9 @@ import math
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact import sums_of
+from bristle_sim.scene.contact import RigidContacts, sums_of
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, WorkpartPair
-from bristle_sim.scene.rigid import RigidContacts
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""

@@ -4,20 +4,20 @@ computation is in engine units.
 In reading order; a file imports only from files below it in this list:
 
 - ``snapshots``: a run interval by interval.
-- ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire,
-  by the same loop.
+- ``simulate``: the public functions, and the loop over intervals and events; ``strike``: a single
+  contact of a chain of rods or of a wire, by the same loop.
 - ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and
   contacts in SI units.
-- ``run``: the loop over intervals and events.
 - ``decide``: the decision after an event; ``collisions``: impacts, and the growth of the run's
   error over them; ``spring_phases``: the phases of a contact with a spring.
-- ``motion``: a smooth motion, integrated interval by interval up to its first event.
-- ``events``: the kinds of events, and the functions whose sign changes mark them; ``touches``: gaps
-  that close; ``locate``: the instant of an event, by a root finder.
+- ``touches``: the first event of an interval, and gaps that close.
+- ``motion``: a smooth motion, integrated interval by interval.
+- ``locate``: the instant of an event, by a root finder; ``events``: the kinds of events, and the
+  functions whose sign changes mark them.
 - ``system``: the state, the plan and the record of a run.
 - ``impacts``, ``compliant``: the contact laws.
-- ``contact``: a sustained contact; ``rigid``, ``spring``: its two kinds; ``spring_force``: the
-  forces of contacts with springs on the bodies.
+- ``spring``: a contact with springs; ``spring_force``: its forces on the bodies; ``contact``: any
+  contact that lasts, and the forces of the rigid ones.
 - ``extrapolation``: engine steps extrapolated over an interval.
 - ``build``: the pymunk space of a mechanism.
 - ``solver``: joint and contact forces of several links, contact forces of a single link.

@@ -11,12 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from bristle_sim.scene.contact import ActiveContact, Outcome
+from bristle_sim.scene.contact import LEAST_SLIP, ActiveContact, Outcome
 from bristle_sim.scene.impacts import ENERGETIC, EnergeticLaw
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
-from bristle_sim.scene.rigid import LEAST_SLIP
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_phases import look_up_slip
 from bristle_sim.scene.system import System

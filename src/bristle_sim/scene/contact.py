@@ -1,4 +1,8 @@
-"""A contact that lasts, rigid or with a spring: its impulse, its work and its record."""
+"""Contacts that last: their impulse, work and record; and the forces of the rigid ones.
+
+The solver of the joints keeps rigid contacts closed. A single link has one degree of freedom, so
+one contact at a time fixes its motion, which follows from the geometry and the hub's motion alone.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,25 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from operator import mul
 from typing import NamedTuple
 
-from bristle_sim.scene.gaps import Gaps
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.gaps import Gaps, contact_at
+from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair
 from bristle_sim.trajectory import ContactRecord
+
+LEAST_SLIP = 1e-9
+"""Least slip velocity whose sense is known, in scene units, however accurate the simulation is."""
+
+LEAST_ACCELERATION = 1e-7
+"""Least slip acceleration whose sense is known, in scene units. A smaller one is rounding error of
+the difference quotient over the time ``MOMENT``."""
+
+MOMENT = 1e-6
+"""Time step, in engine units, after which a contact's place and slip velocity are computed again:
+the place decides between two straight segments, the slip velocity gives its acceleration."""
 
 
 class Sums(NamedTuple):
@@ -145,3 +162,156 @@ class ActiveContact(ClosedPair):
             rates_before=first.rates,
             rates_after=last.rates,
         )
+
+
+class RigidContacts:
+    """The rigid contacts of a smooth motion, whose forces are solved for together with the joints.
+
+    The motion ends when the normal force of a contact reaches zero. With ``paired`` true the steps
+    of several links are symmetric in time. Each force is then the mean of two steps, in which the
+    errors of odd and even steps cancel.
+
+    Attributes:
+        scene: the scene.
+        closed: the contacts. Each has a sense of slip, which stays the same until the next event;
+            friction acts against it. The sense is None for a contact without friction, and for the
+            contact of a single link that does not slip.
+    """
+
+    symmetric = True  # rigid contacts act alike forwards and backwards in time
+
+    def __init__(self, scene: Scene, closed: Sequence[ClosedPair], *, paired: bool) -> None:
+        self.scene = scene
+        self.closed = closed
+        self._solver = scene.joint_solver
+        self._paired = paired and scene.several_links
+        self._step = 0.0
+
+    def engage(self, state: State) -> None:
+        """Let the contacts act from a state on."""
+        mechanism = self.scene.mechanism
+        for contact in self.closed:
+            pair = contact.pair
+            if pair.partner is not None or len(mechanism.links[pair.link].corners) > 2:
+                # At a corner two segments touch; the moment decides between them.
+                later = _a_moment_later(state)
+                contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
+        self.scene.keep_closed(self.closed)
+
+    def begin(self, step: float) -> None:
+        """Clear the impulses of the last interval; the solver records new ones in each step."""
+        self._step = step
+        self._solver.impulses = []
+
+    def totals(self) -> list[float]:
+        """Return the forces, impulses and work of all contacts in one list, in the order of
+        ``Sums``.
+
+        The normal force is that of the last step. For a contact that would have had to pull in one
+        or more steps, the normal force is that of the last step in which it would have pulled.
+        """
+        found = list[float]()
+        for each in zip(*self._solver.impulses, strict=True):
+            pushes, rubs, slips = zip(*each, strict=True)
+            normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
+            force = (
+                ([push for push in normal if push < 0.0] or normal)[-1] / self._step,
+                along[-1] / self._step,
+            )
+            found += [*force, sum(pushes), sum(rubs), 0.0, sum(map(mul, rubs, slips)), 0.0]
+        return found
+
+    def normal(self, totals: Sequence[float]) -> Sequence[float]:
+        """Return the contacts' normal forces from the list that ``totals`` returns."""
+        return totals[: NUMBERS * len(self.closed) : NUMBERS]
+
+    def fails(self, totals: Sequence[float]) -> bool:
+        """Return whether a contact would have to pull to stay closed."""
+        return min(self.normal(totals)) <= 0.0
+
+    def spare_friction(self, totals: Sequence[float], index: int) -> float:
+        """Return the friction limit of a contact minus the magnitude of its tangential force."""
+        sums = sums_of(totals, index)
+        return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
+
+    def breaks_away(self, totals: Sequence[float]) -> int | None:
+        """Return the index of the first sticking contact whose tangential force exceeds the
+        friction limit, or None.
+        """
+        stuck = (index for index, each in enumerate(self.closed) if each.slip == 0)
+        return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
+
+    def compliance_in_slip(self, state: State, index: int) -> float:
+        """Return the relative compliance of a contact in slip.
+
+        It is the change of the normal velocity by a unit normal impulse with its friction, divided
+        by the same change without joints and friction. If it is not positive, friction or geometry
+        locks the link: no force keeps the contact closed.
+        """
+        contact = self.closed[index]
+        pair = contact.pair
+        mechanism = self.scene.mechanism
+        poses = mechanism.poses(state)
+        point = contact_at(mechanism, state, pair)
+        touch = point.touch
+        slip = touch.velocity[1]
+        sense = contact.slip
+        if sense is None:
+            sense = int(math.copysign(abs(slip) > LEAST_SLIP, slip))
+        normal, coupling = point.inverse_mass[0]
+        free = 0.0
+        for number, arm in ((pair.link, touch.arm), (pair.partner, touch.partner_arm)):
+            if number is not None and arm is not None:
+                link = mechanism.links[number]
+                lever = cross(arm - poses[number].to_centre, touch.normal)
+                free += 1.0 / link.mass + lever**2 / link.inertia
+        return (normal - pair.friction * sense * coupling) / free
+
+    def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
+        """Set the sense of slip that friction opposes in a new contact.
+
+        If the slip velocity is smaller than its error, its sense is unknown. A contact of several
+        links then sticks until friction no longer suffices. A single link slips in the direction of
+        its contact point's acceleration; if the acceleration is zero too, the link is at rest.
+
+        Args:
+            state: the state at the touch.
+            contact: the contact, which must be closed already.
+            error: error of a velocity, in scene units.
+        """
+        single_link = self.scene.mechanism.single_link
+        slip = self._slip_velocity(contact, state)
+        least = max(LEAST_SLIP, error)
+        if abs(slip) <= least and single_link:
+            slip = self.slip_acceleration(contact, state)
+            least = LEAST_ACCELERATION
+        if abs(slip) > least:
+            contact.slip = int(math.copysign(1.0, slip))
+        elif not single_link:
+            contact.slip = 0
+
+    def slip_acceleration(self, contact: ClosedPair, state: State) -> float:
+        """Return the tangential acceleration of a contact point that stays on its obstacle."""
+        before, after = (
+            self._slip_velocity(contact, self._solver.set_back(each))
+            for each in (state, _a_moment_later(state))
+        )
+        return (after - before) / MOMENT
+
+    def _slip_velocity(self, contact: ClosedPair, state: State) -> float:
+        poses = self.scene.mechanism.poses(state)
+        return contact.pair.closest(poses, state.rates).velocity[1]
+
+
+def _a_moment_later(state: State) -> State:
+    """Return the state after the time ``MOMENT`` at constant rates."""
+    moved = zip(state.angles, state.rates, strict=True)
+    angles = tuple([angle + MOMENT * rate for angle, rate in moved])
+    return State(state.time + MOMENT, angles, state.rates)
+
+
+def _means(numbers: Sequence[float]) -> Sequence[float]:
+    """Return the mean of each pair of successive values: first and second, third and fourth, ..."""
+    return [
+        0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)
+    ]

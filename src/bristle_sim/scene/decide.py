@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from bristle_sim.scene.collisions import end_contacts, jam, resolve_impacts
-from bristle_sim.scene.contact import ActiveContact, Outcome
+from bristle_sim.scene.contact import ActiveContact, Outcome, RigidContacts
 from bristle_sim.scene.events import (
     SPRING_KINDS,
     Happening,
@@ -21,7 +21,6 @@ from bristle_sim.scene.events import (
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion, motion_events
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_force import ContactLoad
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on

@@ -20,11 +20,10 @@ from enum import StrEnum, auto
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
-from bristle_sim.scene.contact import ActiveContact, sums_of
+from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import BarPair, ClosestApproach
-from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 

@@ -10,14 +10,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
-from bristle_sim.scene.contact import ActiveContact, sums_of
+from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult, Load
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.locate import Interval
 from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.rigid import RigidContacts
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_force import follow_bodies
 from bristle_sim.scene.system import MOST_GROWTH, System
