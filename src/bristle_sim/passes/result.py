@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array, EqualByValue
 from bristle_sim.parameters import key_unit
+from bristle_sim.trajectory.tables import installed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -113,7 +114,7 @@ class Ensemble(EqualByValue):
         Raises:
             ImportError: if pandas is not installed.
         """
-        frame: pd.DataFrame = _installed("pandas").DataFrame(
+        frame: pd.DataFrame = installed("pandas").DataFrame(
             {name: each.ravel() for name, each in self.columns().items()}
         )
         frame.attrs["units"] = self._units()
@@ -140,7 +141,7 @@ class Ensemble(EqualByValue):
             for key in self.keys
         }
         variables = {name: each for name, each in variables.items() if name not in self.keys}
-        found: xr.Dataset = _installed("xarray").Dataset(variables, coords=coordinates)
+        found: xr.Dataset = installed("xarray").Dataset(variables, coords=coordinates)
         return found
 
     def plot(self) -> Any:
@@ -175,12 +176,3 @@ class Ensemble(EqualByValue):
             single = len(own) == 1 and self.keys[own[0]].size == size
             names.append(own[0] if single else f"axis_{axis}")
         return names
-
-
-def _installed(library: str) -> Any:
-    try:
-        return import_module(library)
-    except ImportError as error:
-        raise ImportError(
-            f"{library}: must be installed: pip install bristle-sim[sweep]"
-        ) from error

@@ -151,11 +151,21 @@ class Interpolation:
         """
         return self._scalars(time, side)[:, 0]
 
+    def _chosen(self, instants: Array, side: str) -> NDArray[np.intp]:
+        """Return the index of the smooth part of the run that contains each instant.
+
+        Where two parts meet, ``side`` selects the part ``before`` or ``after`` the instant.
+        """
+        starts, ends = self.run.time[np.array(self._pieces)].T
+        if side == "after":
+            return np.searchsorted(starts, instants, side="right") - 1
+        return np.searchsorted(ends, instants, side="left")
+
     def _scalars(self, instants: Array, side: str) -> Array:
         """Return normal force, N, kinetic energy, J, and potential energy, J, at instants, as an
         array of shape (instants, 3).
         """
-        chosen = _chosen(self.run.time, self._pieces, instants, side)
+        chosen = self._chosen(instants, side)
         found = np.empty((instants.size, 3))
         for number in np.unique(chosen):
             found[chosen == number] = self._splines[number](instants[chosen == number])
@@ -165,15 +175,16 @@ class Interpolation:
         """Return values and slopes of the link angles and centre-line corners at instants, shape
         (2, instants, columns).
         """
-        chosen = _chosen(self.run.time, self._pieces, instants, side)
+        chosen = self._chosen(instants, side)
+        time = self.run.time
         both = zip(chosen.tolist(), instants.tolist(), strict=True)
-        windows = [_window(self.run.time, self._pieces[piece], instant) for piece, instant in both]
+        windows = [_window(time, self._pieces[piece], instant) for piece, instant in both]
         sizes = np.array([*map(len, windows)])
         found = np.empty((2, instants.size, self._states.shape[2]))
         for size in np.unique(sizes):
             own = np.flatnonzero(sizes == size)
             rows = np.array([windows[each] for each in own])
-            found[:, own] = _hermite(self.run.time[rows], self._states[rows], instants[own])
+            found[:, own] = _hermite(time[rows], self._states[rows], instants[own])
         return found
 
 
@@ -207,22 +218,11 @@ def _hermite(time: Array, states: Array, instants: Array) -> Array:
     return np.stack([value, slope])
 
 
-def _chosen(time: Array, pieces: Pieces, instants: Array, side: str) -> NDArray[np.intp]:
-    """Return the index of the smooth part of the run that contains each instant.
-
-    Where two parts meet, ``side`` selects the part ``before`` or ``after`` the instant.
-    """
-    starts, ends = time[np.array(pieces)].T
-    if side == "after":
-        return np.searchsorted(starts, instants, side="right") - 1
-    return np.searchsorted(ends, instants, side="left")
-
-
 def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, ...]:
     """Return the indices of the samples through which the polynomial for an instant passes.
 
     ``piece`` is the smooth part of the run that contains the instant: its first and its last
-    sample. The samples lie on both sides of the instant, as far as ``piece`` has samples at
+    sample. The samples lie on both sides of the instant, as far as this part has samples at
     suitable distances.
     """
     first, last = piece

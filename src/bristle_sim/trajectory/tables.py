@@ -72,7 +72,7 @@ def to_dataframe(run: RecordedRun) -> pd.DataFrame:
     Raises:
         ImportError: if pandas is not installed.
     """
-    library = _installed("pandas")
+    library = installed("pandas")
     frame: pd.DataFrame = library.DataFrame(run.columns())
     units = dict(title.removesuffix(")").split(" (") for title in frame)
     frame.columns = library.Index(units)
@@ -117,11 +117,16 @@ def to_xarray(run: RecordedRun) -> xarray.Dataset:
         "event": [event.name for event in run.events],
     }
     about = {"stop_reason": str(run.stop_reason), "hub_speed": run.hub_speed}
-    found: xarray.Dataset = _installed("xarray").Dataset(variables, coords=coordinates, attrs=about)
+    found: xarray.Dataset = installed("xarray").Dataset(variables, coords=coordinates, attrs=about)
     return found
 
 
-def _installed(library: str) -> Any:
+def installed(library: str) -> Any:
+    """Return an optional library, imported.
+
+    Raises:
+        ImportError: if it is not installed; the message names the extra that installs it.
+    """
     try:
         return import_module(library)
     except ImportError as error:
