@@ -211,7 +211,7 @@ def _found(question: Question) -> Design:
     random = np.random.default_rng(1).random((place.size, CHECKED_POINTS))
     checked = question.keys_at(np.column_stack([place, random]))
     check = checked_by_scene(question.tool, SCENE, checked)
-    words = tool_in_words(question, varied, reached, report.outcome_in_words)
+    words = tool_in_words(question, varied, report, met)
     if conflict:
         words = f"{conflict_in_words(question, conflict)}; the nearest: {words}"
     return Design(
@@ -262,9 +262,11 @@ def _kept(question: Question, place: Array) -> dict[str, tuple[float, float]]:
         allowed = KEPT_DEG if "_deg" in name else KEPT * abs(wanted)
         if allowed:
             lost |= ~(np.abs(passes[name] - wanted) <= allowed)
-    first = lost.argmax(axis=-1)
-    fractions = points[each[:, np.newaxis], each[:, np.newaxis], [[0, 1]], first]
+    at = lost.argmax(axis=-1)
+    fractions = points[each[:, np.newaxis], each[:, np.newaxis], [[0, 1]], at]
     return {
-        key: tuple(low + (high - low) * pair)
-        for (key, (low, high)), pair in zip(question.vary.items(), fractions, strict=True)
+        key: (low + (high - low) * first, low + (high - low) * last)
+        for (key, (low, high)), (first, last) in zip(
+            question.vary.items(), fractions.tolist(), strict=True
+        )
     }

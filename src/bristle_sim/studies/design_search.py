@@ -22,6 +22,7 @@ from scipy.stats.qmc import Sobol
 from bristle_sim.arrays import Array, Number
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import key_values
+from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
 
@@ -41,6 +42,8 @@ NO_STRIKE = 1e6  # value that is minimised, for a pass without the quantities
 MET = (
     1e-6  # largest miss at which a condition counts as met, in standard deviations of the quantity
 )
+# Digits of a fraction; further ones are rounding error, which would give an unchanged key some 1e-18
+DIGITS = 12
 MOST_STEPS = 60  # largest number of iterations of a refinement
 CURVE_POINTS = 25
 # Weight of the condition that a point of the curve meets; its miss is then some 1e-6 of its standard
@@ -126,6 +129,7 @@ class Search:
             words, numbers = np.unique(found[OUTCOME], return_counts=True)
             most = words[numbers.argmax()]
             reason = found[REASON][found[OUTCOME] == most][0]
+            most = "is refused" if most == OUTCOMES[REFUSED] else most
             raise NoSolutionError(f"no tool in these ranges has such a pass: it {most}; {reason}")
         self.question = question
         self.surveyed = fractions[:, known]
@@ -301,7 +305,7 @@ class Search:
             method="SLSQP",
             options={"ftol": 1e-12, "maxiter": MOST_STEPS},
         )
-        place = np.asarray(np.clip(found.x, 0.0, 1.0))
+        place = np.clip(found.x.round(DIGITS), 0.0, 1.0)
         return place if self.largest_miss(place) <= MET else start
 
 

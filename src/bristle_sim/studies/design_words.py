@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from bristle_sim.arrays import Array
+from bristle_sim.comparison import Report
 from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import key_unit
 from bristle_sim.readable import amount, plain_number, readable_unit
@@ -17,23 +18,25 @@ DECIMALS = 4  # decimals of a quantity in its readable unit; further decimals ar
 
 
 def tool_in_words(
-    question: Question,
-    varied: Mapping[str, float],
-    reached: Mapping[str, float | None],
-    outcome: str,
+    question: Question, varied: Mapping[str, float], report: Report, met: bool
 ) -> str:
     """Return the clause on the tool found and on its pass: the quantities wanted, limited, or
     minimised, and the outcome.
 
-    ``varied`` holds the parameters of the tool, ``reached`` the quantities of its pass.
+    Args:
+        question: the statement of the design.
+        varied: the parameters of the tool.
+        report: report of the simulated pass.
+        met: whether the conditions are met, and the goal is therefore least.
     """
-    tool = listed([_key(key, value) for key, value in varied.items()])
+    reached = {each.name: each.simulated for each in report.quantities}
     extreme = "highest" if question.sense < 0.0 else "lowest"
-    parts = {name: f"a {_quantity(name, reached[name])}" for name in question.at_most}
-    parts |= {name: f"a {_quantity(name, reached[name])}" for name in question.want}
-    if question.goal:
+    names = [*question.at_most, *question.want]
+    parts = {name: f"a {_quantity(name, reached[name])}" for name in names}
+    if question.goal and met:
         parts[question.goal] = f"the {extreme} {_quantity(question.goal, reached[question.goal])}"
-    return f"with {tool} the pass has {listed([*parts.values()])}, and the tip {outcome}"
+    tool = listed([_key(key, value) for key, value in varied.items()])
+    return f"with {tool} the pass has {listed([*parts.values()])}, and the tip {report.outcome_in_words}"
 
 
 def conflict_in_words(question: Question, conflict: Sequence[str]) -> str:
