@@ -9,7 +9,7 @@ from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.contact_space.joints import joined
 from bristle_sim.parameters import Bristle, Surface, Tool
 from bristle_sim.scene import impacts
-from bristle_sim.scene.gaps import contact_at
+from bristle_sim.scene.contact_point import contact_at
 from bristle_sim.scene.impacts import EngineLaw
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import WorkpartPair

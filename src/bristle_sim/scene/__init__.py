@@ -21,7 +21,7 @@ In reading order; a file imports only from files below it in this list:
 - ``extrapolation``: engine steps extrapolated over an interval.
 - ``build``: the pymunk space of a mechanism.
 - ``solver``: joint and contact forces of several links, contact forces of a single link.
-- ``gaps``: gaps, and how impulses at a contact point change the links' rates; ``pairs``: the geometry
+- ``contact_point``: how impulses at a contact point change the links' rates; ``pairs``: the geometry
   of a link and an obstacle that can touch; ``engine``: calls of the engine.
 - ``mechanism``: chains of links.
 """

@@ -45,7 +45,7 @@ def end_contacts(
     """
     system.scene.keep_closed(())
     for contact in ending:
-        if record := contact.record(system.gaps, system.state, outcome):
+        if record := contact.record(system.closest, system.state, outcome):
             system.recording.contacts.append((record, system.links_of(contact.pair)))
         if released:
             system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
@@ -108,12 +108,12 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
     signs, one rate can make both velocities positive only if the sum of drift / abs(lever) is
     positive; the rate cancels in this sum. Levers of the same sign wedge nothing.
     """
-    touch = system.gaps.closest(pair, system.state)
+    touch = system.closest(pair, system.state)
     lever = cross(touch.arm, touch.normal)
     rates = [math.inf]
     for other in system.pairs:
         if other is not pair and system.touches(other):
-            second = system.gaps.closest(other, system.state)
+            second = system.closest(other, system.state)
             second_lever = cross(second.arm, second.normal)
             if lever * second_lever < 0.0:
                 drift = touch.velocity[0] / abs(lever)
@@ -159,7 +159,7 @@ def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact
     for spring in motion.springs:
         spring.at_rest = False
         if spring.loading and system.approach(spring.pair) > 0.0:
-            spring.unload(spring.penetration(system.gaps, system.state))
+            spring.unload(spring.penetration(system.closest, system.state))
         look_up_slip(system, motion, spring)
     return tuple(motion.springs)
 
@@ -200,7 +200,7 @@ def propagate_error(
     if recording.lost is not None:
         return
     error = recording.error
-    touch = system.gaps.closest(pair, before)
+    touch = system.closest(pair, before)
     approach, slip = touch.velocity
     earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
     rates = np.array(before.rates)
@@ -216,7 +216,7 @@ def propagate_error(
         angles = before.angles + (error + late * moving)
         moving = moving + late * accelerations
         state = State(before.time + late, tuple(angles.tolist()), tuple(moving.tolist()))
-        return system.gaps.closest(pair, state)
+        return system.closest(pair, state)
 
     for off in (error, -error):
         early = neighbour(off, 0.0)

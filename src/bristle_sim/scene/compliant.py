@@ -14,8 +14,8 @@ from typing import ClassVar
 import numpy as np
 
 from bristle_sim.scene.build import Scene, damped_interval
+from bristle_sim.scene.contact_point import contact_at, contact_rows
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
-from bristle_sim.scene.gaps import contact_at, contact_rows
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, impact_at
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair

@@ -14,9 +14,9 @@ from operator import mul
 from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.gaps import Gaps, contact_at
+from bristle_sim.scene.contact_point import contact_at
 from bristle_sim.scene.mechanism import State, cross
-from bristle_sim.scene.pairs import ClosedPair
+from bristle_sim.scene.pairs import ClosedPair, Closest
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_SLIP = 1e-9
@@ -140,12 +140,12 @@ class ActiveContact(ClosedPair):
         self.tangential = sums.tangential
         return first, bend, left
 
-    def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
+    def record(self, closest: Closest, last: State, outcome: str) -> ContactRecord | None:
         """Return the contact record; None for a contact of zero duration."""
         first = self.start
         if first is None or last.time <= first.time:
             return None
-        before, after = (gaps.closest(self.pair, state).velocity for state in (first, last))
+        before, after = (closest(self.pair, state).velocity for state in (first, last))
         return ContactRecord(
             obstacle=self.pair.name,
             law="sustained",

@@ -127,7 +127,7 @@ def begin_motion(system: System, given: Motion) -> Motion:
         contact.force = None
     if active:
         motion.load = ContactLoad(system.scene, motion.rigid, springs) if springs else motion.rigid
-        system.sample({spring: spring.sample(system.gaps, system.state) for spring in springs})
+        system.sample({spring: spring.sample(system.closest, system.state) for spring in springs})
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)
     motion.events = (
@@ -220,7 +220,7 @@ def _after_spring_event(
         spring.rows[-1] = (time, 0.0, 0.0, *velocity)
         _add_limit_error(system, spring)
     staying = end_contacts(system, motion.contacts, [spring], outcome)
-    gap = system.gaps.gap(pair, system.state)
+    gap = system.closest(pair, system.state).gap
     if gap < -system.plan.accuracy:
         # The tip is left in a dent, whose ground is the surface from here on.
         ground = replace(pair, dent=pair.dent - gap)

@@ -206,7 +206,6 @@ def _rigid_events(
     without friction the link meets the obstacle end-on.
     """
     pair = contact.pair
-    gaps = system.gaps
     single = system.mechanism.single_link
     least = LEAST_OF_SINGLE_LINK if single else LEAST_COMPLIANCE_IN_SLIP
 
@@ -220,7 +219,7 @@ def _rigid_events(
         return rigid.spare_friction(at.totals, index) if at.totals else math.nan
 
     def slip(at: IntervalResult) -> float:
-        return (contact.slip or 0) * gaps.closest(pair, at.state).velocity[1]
+        return (contact.slip or 0) * system.closest(pair, at.state).velocity[1]
 
     yield Event(Kind.LOCKED, contact, compliance)
     yield Event(Kind.RELEASE, (contact,), push)
@@ -271,13 +270,12 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
     contact's duration.
     """
     pair = spring.pair
-    gaps = system.gaps
     duration = spring.duration
     tolerance = max(LOCATED_VELOCITY * spring.stepper.noise, math.ulp(1.0))
 
     @lru_cache(maxsize=1)
     def touch(state: State) -> ClosestApproach:
-        return gaps.closest(pair, state)
+        return system.closest(pair, state)
 
     def slip(at: IntervalResult) -> float:
         return spring.slip * spring.foot_speed(touch(at.state).velocity)
@@ -295,7 +293,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
     def spare(at: IntervalResult) -> float:
         """Return the friction limit minus the tangential force, scaled to a velocity."""
         if spring.elastic:
-            force = spring.law.tangential_force(gaps.along(pair, at.state), spring.foot)
+            force = spring.law.tangential_force(system.along(pair, at.state), spring.foot)
         elif at.totals:
             force = sums_of(at.totals, index).tangential
         else:

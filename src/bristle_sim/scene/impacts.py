@@ -19,7 +19,7 @@ import numpy as np
 import pymunk
 
 from bristle_sim.scene.build import SHAPE_MARGIN, Scene
-from bristle_sim.scene.gaps import ContactPoint, contact_at
+from bristle_sim.scene.contact_point import ContactPoint, contact_at
 from bristle_sim.scene.mechanism import State, Vector, xy
 from bristle_sim.scene.pairs import ContactPair, WorkpartPair
 from bristle_sim.theory.impact import energetic_impact

@@ -13,13 +13,12 @@ from functools import partial
 from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult, Load
-from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.locate import Interval
 from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_force import follow_bodies
-from bristle_sim.scene.system import MOST_GROWTH, System
+from bristle_sim.scene.system import GAP_ROUNDING, MOST_GROWTH, System
 from bristle_sim.settings import StopReason
 
 LONGEST_TURN = 1.0
@@ -121,7 +120,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         return plan.retraction_limit - abs(turned)
 
     def gap(pair: ContactPair, at: IntervalResult) -> float:
-        return system.gaps.gap(pair, at.state)
+        return system.closest(pair, at.state).gap
 
     for wire in range(mechanism.wires):
         link = wire * mechanism.wire_links
@@ -219,7 +218,6 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     sampled once more in its middle if the polynomial through three samples would be less accurate
     than the run.
     """
-    gaps = system.gaps
     solver = system.scene.joint_solver
     recording = system.recording
     result = interval.end
@@ -248,7 +246,9 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
         motion.limit = min(motion.limit, max(motion.release_in, system.plan.shortest))
     if motion.separating:
         motion.separating = tuple(
-            pair for pair in motion.separating if gaps.gap(pair, system.state) <= GAP_ROUNDING
+            pair
+            for pair in motion.separating
+            if system.closest(pair, system.state).gap <= GAP_ROUNDING
         )
 
 
@@ -270,7 +270,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
             ends[contact] = max(0.0, sums.normal)
         else:
             contact.stick_force = sums.tangential
-            ends[contact] = contact.sample(system.gaps, system.state)
+            ends[contact] = contact.sample(system.closest, system.state)
     if motion.rigid is not None:
         if motion.before is None and len(begins) == len(ends):
             system.sample(begins, again=True)

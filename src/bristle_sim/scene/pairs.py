@@ -10,12 +10,12 @@ from __future__ import annotations
 import itertools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import ClassVar, NamedTuple
 
-from bristle_sim.scene.mechanism import Mechanism, Pose, Vector
+from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector
 
 # largest difference between the gaps of two straight segments of a link that both count as
 # touching, over the link's length
@@ -313,6 +313,9 @@ def _on_two_sides(line: Line, points: Line) -> bool:
 
 ContactPair = BarPair | WorkpartPair | WirePair
 """A link and an obstacle that can touch."""
+
+Closest = Callable[[ContactPair, State], ClosestApproach]
+"""Function that returns the closest approach of a pair in a state."""
 
 
 def wire_pairs(

@@ -47,8 +47,8 @@ import pymunk
 from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
+from bristle_sim.scene.contact_point import contact_rows
 from bristle_sim.scene.engine import Placer
-from bristle_sim.scene.gaps import contact_rows
 from bristle_sim.scene.mechanism import Complexes, Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, FixedPair
 

@@ -17,9 +17,8 @@ import numpy as np
 
 from bristle_sim.scene.contact import ActiveContact, Outcome
 from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State, Vector
-from bristle_sim.scene.pairs import WorkpartPair
+from bristle_sim.scene.pairs import Closest, WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
@@ -117,13 +116,13 @@ class SpringContact(ActiveContact):
     compression: tuple[Vector, Vector] | None = None
     stopped_at: tuple[State, Vector, Vector, int, int] | None = None
 
-    def penetration(self, gaps: Gaps, state: State) -> float:
+    def penetration(self, closest: Closest, state: State) -> float:
         """Return the penetration in a state."""
-        return self.surface - gaps.gap(self.pair, state)
+        return self.surface - closest(self.pair, state).gap
 
-    def sample(self, gaps: Gaps, state: State) -> float:
+    def sample(self, closest: Closest, state: State) -> float:
         """Record a sample of forces and motion at a state; return the normal force."""
-        touch = gaps.closest(self.pair, state)
+        touch = closest(self.pair, state)
         penetration = self.surface - touch.gap
         self.force, self.tangential = self.forces(penetration)
         motion = (penetration, *touch.velocity)
@@ -156,11 +155,11 @@ class SpringContact(ActiveContact):
                 names.append(f"{loading} {motion if phase.slip else 'stick'}")
         return tuple(name for name, _ in itertools.groupby(names))
 
-    def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
+    def record(self, closest: Closest, last: State, outcome: str) -> ContactRecord | None:
         """Return the contact record with its phases and history; None for a contact of zero
         duration.
         """
-        sustained = ActiveContact.record(self, gaps, last, outcome)
+        sustained = ActiveContact.record(self, closest, last, outcome)
         if sustained is None:
             return None
         impulse, work = self.compression or (self.impulse, self.work)
@@ -170,8 +169,8 @@ class SpringContact(ActiveContact):
             compressive_impulse=impulse,
             compressive_work=work,
             restitutive_work=(self.work[0] - work[0], self.work[1] - work[1]),
-            velocity_before=gaps.closest(self.pair, self.start).velocity,
-            velocity_after=gaps.closest(self.pair, last).velocity,
+            velocity_before=closest(self.pair, self.start).velocity,
+            velocity_after=closest(self.pair, last).velocity,
             phases=self.phase_names(jams=outcome == Outcome.JAM),
             history=ContactHistory(*np.ascontiguousarray(np.array(self.rows).T)),
         )

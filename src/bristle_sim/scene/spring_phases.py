@@ -65,13 +65,13 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
         return None
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state
-    press = (system.approach(pair) - system.gaps.closest(pair, ahead).velocity[0]) / instant
+    press = (system.approach(pair) - system.closest(pair, ahead).velocity[0]) / instant
     return begin_spring(system, motion, pair, press) if press > 0.0 else None
 
 
 def look_up_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     """Let the contact point slip in the sense of its velocity, or stick; record the new phase."""
-    slip = system.gaps.closest(spring.pair, system.state).velocity[1]
+    slip = system.closest(spring.pair, system.state).velocity[1]
     if abs(slip) > system.slip_error(spring.start) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
     else:
@@ -88,7 +88,7 @@ def change_spring(
         The contact's outcome, or None if the contact goes on.
     """
     before = (spring.loading, spring.slip)
-    penetration = spring.penetration(system.gaps, system.state)
+    penetration = spring.penetration(system.closest, system.state)
     if spring.elastic:
         spring.stick_force = spring.forces(penetration)[1]
     outcome = _change(system, motion, spring, kind)
@@ -113,7 +113,7 @@ def change_spring(
 
 def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -> Outcome | None:
     """Apply an event to a contact; return the contact's outcome, or None if the contact goes on."""
-    penetration = spring.penetration(system.gaps, system.state)
+    penetration = spring.penetration(system.closest, system.state)
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         # The force of a tangential spring begins its next oscillation at the friction of compression.
         spring.at_rest = False
@@ -147,7 +147,7 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
                 spring.slip = 0 if spring.friction else -sense
             stopped = not (spring.elastic or spring.slip) and _ends_in_stiction(system, spring)
             # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
-            at_touch = -system.gaps.closest(spring.pair, spring.start).velocity[0]
+            at_touch = -system.closest(spring.pair, spring.start).velocity[0]
             together = -system.approach(spring.pair) <= STOPS_TOGETHER * at_touch
             if spring.loading and (stopped or together):
                 return _end_compression(system, motion, spring)
@@ -160,7 +160,7 @@ def _end_compression(system: System, motion: Motion, spring: SpringContact) -> O
 
     A contact without restitution ends here.
     """
-    spring.unload(spring.penetration(system.gaps, system.state))
+    spring.unload(spring.penetration(system.closest, system.state))
     if spring.law.restitution == 0.0:
         return Outcome.NO_REBOUND
     if _ends_in_stiction(system, spring):
@@ -185,7 +185,7 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
     law = spring.law
     if (law.restitution_friction - law.friction) * spring.slip * coupling <= 0.0:
         return False
-    slip = system.gaps.closest(spring.pair, system.state).velocity[1]
+    slip = system.closest(spring.pair, system.state).velocity[1]
     if spring.slip * slip <= spring.least_slip_at_rest:
         return False
     before = spring.stick_force
@@ -214,14 +214,14 @@ def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     follow_bodies(system.scene, system.state, spring)
     probe, sums = _probe(system, motion, spring)
     spring.stick_force = force = sums.tangential_at_start
-    penetration = spring.penetration(system.gaps, system.state)
+    penetration = spring.penetration(system.closest, system.state)
     if spring.loading and not spring.impulse[0]:
         # Both forces are zero at the first touch.
         force = sums.tangential
-        penetration = spring.penetration(system.gaps, probe.state)
+        penetration = spring.penetration(system.closest, probe.state)
     limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
     if not spring.compliance_in_stick:  # the probe is free of friction
-        slip = system.gaps.closest(spring.pair, probe.state).velocity[1]
+        slip = system.closest(spring.pair, probe.state).velocity[1]
         spring.slip = int(math.copysign(1.0, slip)) if slip else 0
     elif spring.spare_friction(penetration, force) < -limit:
         spring.slip = -1 if force > 0.0 else 1
@@ -236,10 +236,9 @@ def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
     forces, with this contact's force on the cone's edge, then shows the sense in which the velocity
     grows.
     """
-    gaps = system.gaps
     pair = spring.pair
-    touch = gaps.closest(pair, system.state)
-    at_edge = spring.set_foot(spring.surface - touch.gap, gaps.along(pair, system.state))
+    touch = system.closest(pair, system.state)
+    at_edge = spring.set_foot(spring.surface - touch.gap, system.along(pair, system.state))
     force = spring.stick_force
     smooth = not spring.friction
     driven = -force or touch.velocity[1]
@@ -247,7 +246,7 @@ def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
     speed = spring.slip * spring.foot_speed(touch.velocity)
     if at_edge and not smooth and abs(speed) <= system.slip_error(spring.start):
         probe, _ = _probe(system, motion, spring)
-        later = gaps.closest(pair, probe.state)
+        later = system.closest(pair, probe.state)
         speed = spring.slip * spring.foot_speed(later.velocity) - speed
     if not (smooth or (at_edge and speed > 0.0)):
         spring.slip = 0

@@ -11,13 +11,18 @@ from types import MappingProxyType
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.gaps import AT_JOINT, GAP_ROUNDING, Gaps
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair
+from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
+
+# largest distance between a contact and a link's end, over the link's length, at which the contact
+# counts as a contact of that end
+AT_JOINT = 1e-9
+
+GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in engine units
 
 # largest ratio of an interval after a contact to the interval before it: up to this ratio a
 # polynomial through the samples of both intervals is accurate
@@ -120,7 +125,6 @@ class System:
         pairs: the links and obstacles that can touch, each with its present surface: a tip in a
             dent touches the bottom of the dent.
         law: impact law of the workpart; the energetic law applies to all other pairs.
-        gaps: gaps of the pairs as functions of the state.
         state: the last state reached.
         flight: integrator of motion without contact springs.
         stepper: integrator of the present motion.
@@ -153,7 +157,6 @@ class System:
         self.plan = plan
         self.pairs = list(scene.effects.pairs if pairs is None else pairs)
         self.law = law
-        self.gaps = Gaps(scene.mechanism)
         self.state = start
         self.flight = flight
         self.stepper = flight
@@ -191,15 +194,26 @@ class System:
         """
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 
+    def closest(self, pair: ContactPair, state: State) -> ClosestApproach:
+        """Return the closest approach of a pair in a state."""
+        return pair.closest(self.mechanism.poses(state), state.rates)
+
+    def along(self, pair: ContactPair, state: State) -> float:
+        """Return the x coordinate of the pair's contact point (along the workpart), in engine
+        units.
+        """
+        joint = self.mechanism.poses(state)[pair.link].joint
+        return (joint + self.closest(pair, state).arm).real
+
     def approach(self, pair: ContactPair) -> float:
         """Return the normal velocity of a pair's contact point, in engine units; it is negative in
         approach.
         """
-        return self.gaps.closest(pair, self.state).velocity[0]
+        return self.closest(pair, self.state).velocity[0]
 
     def touches(self, pair: ContactPair) -> bool:
         """Return whether a pair's gap is closed."""
-        return abs(self.gaps.gap(pair, self.state)) <= GAP_ROUNDING
+        return abs(self.closest(pair, self.state).gap) <= GAP_ROUNDING
 
     def sample(
         self,
@@ -285,7 +299,6 @@ class System:
         """
         if self.mechanism.wire_links == 1 or not isinstance(pair, BarPair):
             return False
-        gaps = self.gaps
         for sign, index, step in ((1.0, 0, -1), (-1.0, -1, 1)):
             if self.neighbour(pair, step) in active:
                 now, later = (
@@ -293,7 +306,7 @@ class System:
                     for state in (self.state, end)
                 )
                 if now <= AT_JOINT and (
-                    later <= AT_JOINT or gaps.gap(pair, self.state) <= GAP_ROUNDING
+                    later <= AT_JOINT or self.closest(pair, self.state).gap <= GAP_ROUNDING
                 ):
                     return True
         return False

@@ -12,12 +12,11 @@ from functools import partial
 
 from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult
-from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.locate import Interval, first_change, locate, settle
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.motion import SHORTEST_INTERVAL, Motion
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
-from bristle_sim.scene.system import System
+from bristle_sim.scene.system import GAP_ROUNDING, System
 
 CUBIC_ERROR = 0.01
 """Error bound of a gap on the cubic polynomial, over the fourth power of the interval h (engine
@@ -88,21 +87,21 @@ def _search_hop(
     obstacle, it is shortened to the end of the rebound, or to an instant at which the link is still
     outside. A rebound shorter than the shortest interval is too low to follow.
     """
-    gaps = system.gaps
     integrate_to = interval.integrate_to
     shortened = interval.length > longest
     if shortened:
         interval = interval.up_to(integrate_to(longest))
     length = interval.length
     instant = min(system.plan.instant, length)
-    touch = gaps.closest(pair, interval.end.state)
+    closest = partial(system.closest, pair)
+    touch = closest(interval.end.state)
     if touch.gap >= -GAP_ROUNDING or touch.velocity[0] >= 0.0:
         return (interval, None) if shortened else None
 
     def gap_at(at: IntervalResult) -> float:
-        return gaps.gap(pair, at.state)
+        return closest(at.state).gap
 
-    gap = gaps.gap(pair, interval.at(instant))
+    gap = closest(interval.at(instant)).gap
     if gap <= 0.0 and instant < length:
         gap = gap_at(integrate_to(instant))
     # A small rebound of a single rigid link has no effect. Of several links, one may rebound while
@@ -117,12 +116,12 @@ def _search_hop(
         return interval.up_to(end), Happening(Kind.REST, pair)
     time = length
     shortest = LEAST_HOP * length
-    while time > shortest and (above := gaps.gap(pair, interval.at(time))) < -GAP_ROUNDING:
+    while time > shortest and (above := closest(interval.at(time)).gap) < -GAP_ROUNDING:
         time = 0.5 * time
     if time < length and above > 0.0:
         closed = settle(system, gap_at, interval, time, 2.0 * time, GAP_TOLERANCE)
         # A zero at the interval's start is no touch.
-        if closed is not None and gaps.closest(pair, closed.state).velocity[0] < 0.0:
+        if closed is not None and closest(closed.state).velocity[0] < 0.0:
             return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     while (gap := gap_at(integrate_to(time))) < -GAP_ROUNDING and time > shortest:
         time *= 0.5
@@ -148,7 +147,7 @@ def _touch(
         separating: released pairs, whose gaps must first open.
     """
     length = interval.length
-    closest = partial(system.gaps.closest, pair)
+    closest = partial(system.closest, pair)
     error = polynomial_error(system, interval)
     begin = 0.0
     if pair in separating:

@@ -1,4 +1,4 @@
-"""Gaps between links and obstacles in a given state, and how the links' rates change them."""
+"""A contact point: how impulses there change the links' rates, and how the rates move it."""
 
 from __future__ import annotations
 
@@ -12,41 +12,9 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Complexes, Mechanism, State, Vector
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 
-# largest distance between a contact and a link's end, over the link's length, at which the contact
-# counts as a contact of that end
-AT_JOINT = 1e-9
-
 ROUNDING = 64.0 * math.ulp(1.0)
 """Ratio of a lever to the contact point's distance from the joint, and of the motion in stick to
 the motion by a normal impulse, below which it is rounding error: the point cannot move so."""
-
-GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in engine units
-
-
-class Gaps:
-    """Computes gaps, closest approaches and positions of a mechanism's links in any state."""
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
-
-    def closest(self, pair: ContactPair, state: State, piece: int | None = None) -> ClosestApproach:
-        """Return the closest approach of a pair; ``piece`` restricts it to one straight segment of
-        the link, by index.
-        """
-        return pair.closest(self.mechanism.poses(state), state.rates, piece)
-
-    def gap(self, pair: ContactPair, state: State) -> float:
-        """Return the distance between a pair's link and obstacle, in engine units; it is negative
-        where they overlap.
-        """
-        return pair.closest(self.mechanism.poses(state), state.rates).gap
-
-    def along(self, pair: ContactPair, state: State) -> float:
-        """Return the x coordinate of the pair's contact point (along the workpart), in engine
-        units.
-        """
-        poses = self.mechanism.poses(state)
-        return (poses[pair.link].joint + pair.closest(poses, state.rates).arm).real
 
 
 def contact_rows(
