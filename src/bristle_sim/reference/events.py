@@ -69,10 +69,10 @@ class Event(NamedTuple):
     extreme: bool = False
 
     def ahead(self, instant: Instant, zero: float = 0.0) -> Event:
-        """Return the event at which the function passes ``zero`` by its resolution.
+        """Return the event at which the function is beyond ``zero`` by its resolution.
 
-        ``instant`` is the start of the interval. A function that has passed there already must pass
-        its value there by its resolution.
+        ``instant`` is the start of the interval. A function that is beyond zero there must first
+        pass its value there by its resolution. So the event is never at the start.
         """
         value = self.value
         passed = max(self.direction * (value(instant) - zero), 0.0)
@@ -188,13 +188,11 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         ratio = 0.0 if acting.sticks else acting.ratio
         return float(at.balance.pushes[number, 0]) * normal_response(at.mass, touch, ratio)
 
-    def free(at: Instant) -> float:
-        """Return the excess of the normal acceleration per unit force, with friction over without
-        friction, above its value near locking.
-        """
+    def freedom(at: Instant) -> float:
+        """Return the normal acceleration per unit force, with friction over without friction."""
         touch = at.contacts[number].touch
         with_friction = normal_response(at.mass, touch, acting.ratio)
-        return with_friction / normal_response(at.mass, touch, 0.0) - LOCKED
+        return with_friction / normal_response(at.mass, touch, 0.0)
 
     def lock(state: State) -> State:
         """Find the time at which friction locks the contact, and end the run at that time."""
@@ -202,17 +200,17 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         def ahead(time: float) -> State:
             return State(state.time + time, state.angles + time * state.rates, state.rates)
 
-        def ratio(time: float) -> float:
-            return free(system.at(ahead(time))) + LOCKED
+        def freedom_ahead(time: float) -> float:
+            return freedom(system.at(ahead(time)))
 
         scale = LOCKED / system.fastest
-        time = float(newton(ratio, 0.0, x1=scale, tol=1e-6 * scale, disp=False))
+        time = float(newton(freedom_ahead, 0.0, x1=scale, tol=1e-6 * scale, disp=False))
         raise system.log.jam(ahead(time) if 0.0 <= time <= 1e3 * scale else state)
 
     # Beyond zero by rounding, so that the decision that follows finds the contact open.
     found = [Event(pressing, -1, acceleration, partial(decide, system)).ahead(instant)]
     if acting.slip and acting.friction:
-        found.append(Event(free, -1, 1e-3 * LOCKED, lock))
+        found.append(Event(lambda at: freedom(at) - LOCKED, -1, 1e-3 * LOCKED, lock))
     return found
 
 
