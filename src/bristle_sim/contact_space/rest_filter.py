@@ -16,7 +16,6 @@ from bristle_sim.contact_space.joints import joined
 from bristle_sim.contact_space.touching import (
     APPROACH_ROUNDING,
     Collision,
-    Shapes,
     StepMotion,
     room_for_bodies,
     seen,
@@ -43,7 +42,6 @@ class RestFilter:
             contact.
         at_rest: contacts of this step that are left to the engine.
         impacts: contacts of this step that the engine ignores.
-        skipped: shapes of the ignored contacts.
         motion: motion in this step of the bodies of ignored contacts and of bodies joined to them.
     """
 
@@ -54,7 +52,6 @@ class RestFilter:
         self.resting = -1.0
         self.at_rest: list[Collision] = []
         self.impacts: list[Collision] = []
-        self.skipped: set[Shapes] = set()
         # Memory for the bodies of an arbiter, which exists only within a step: it cannot be copied.
         self._bodies: Any = None
 
@@ -72,7 +69,6 @@ class RestFilter:
         """Discard the contacts of the step."""
         self.at_rest.clear()
         self.impacts.clear()
-        self.skipped.clear()
         self.motion.clear()
 
     def collisions(self) -> list[Collision]:
@@ -106,7 +102,6 @@ class RestFilter:
         """
         for body in arbiter.bodies:
             self.motion.note(joined([body]))
-        self.skipped.add(frozenset(arbiter.shapes))
         self.impacts.append(Collision(arbiter, rule, seen(arbiter)))
         arbiter.friction = 0.0
         # pymunk's own setter of the points gives all of them the place of the first one.

@@ -106,11 +106,8 @@ class ImpactSequence:
     def resolve(self) -> None:
         """Resolve all approaching contacts, and the contacts that their impacts reach."""
         groups = self._groups
-        self._measure(
-            groups.read(
-                [each.body for shapes in self._filter.skipped for each in shapes if each.body]
-            )
-        )
+        struck = [body for each in self._filter.impacts for body in each.bodies()]
+        self._measure(groups.read(struck))
         while self._approaching:
             point = max(self._approaching, key=attrgetter("time", "approach"))
             head = groups.head(point.bodies[0])
@@ -128,7 +125,7 @@ class ImpactSequence:
         """
         for point in points:
             point.measure(self._motion, since, self._latest(point))
-            least = 0.0 if point.key in self._filter.skipped else self._filter.resting
+            least = self._filter.resting if point.rests else 0.0
             if point.approach > max(least, APPROACH_ROUNDING * point.speed):
                 self._approaching[point] = None
             else:

@@ -36,8 +36,6 @@ HALVINGS = 4
 """Largest number of trials in the search for the instant of touch.
 
 Each trial goes back half as far as the trial before, until the shapes overlap."""
-Shapes = frozenset[pymunk.Shape]
-
 _BODY = ffi.typeof("cpBody *[1]")
 
 
@@ -219,7 +217,9 @@ class Collision:
             bodies = bodies[::-1]
             sliding = -sliding
             found = [each._replace(normal=-each.normal) for each in found]
-        return [TouchingPoint(self.pair, shapes, tuple(bodies), sliding, each) for each in found]
+        rests = self.before is None
+        known = (self.pair, shapes, tuple(bodies), sliding, rests)
+        return [TouchingPoint(*known, each) for each in found]
 
 
 @dataclass(slots=True, eq=False)
@@ -232,6 +232,7 @@ class TouchingPoint:
         bodies: the two bodies; the first is dynamic.
         surface_velocity: velocity of the second body's surface relative to the first body's
             surface, in addition to the motion of the bodies, as of a conveyor.
+        rests: whether the engine has resolved the contact as one at rest.
         overlap: point and normal at the end of the step or at the instant of touch, and depth at
             the end of the step.
         drift: speed at which the overlap grew during the step.
@@ -246,17 +247,13 @@ class TouchingPoint:
     shapes: tuple[pymunk.Shape, pymunk.Shape]
     bodies: tuple[pymunk.Body, pymunk.Body]
     surface_velocity: complex
+    rests: bool
     overlap: Overlap
     drift: float = 0.0
     time: float = 0.0
     approach: float = 0.0
     speed: float = 0.0
     impacts: int = 0
-
-    @property
-    def key(self) -> Shapes:
-        """The two shapes without an order, which identify the contact."""
-        return frozenset(self.shapes)
 
     def measure(self, motion: StepMotion, since: float, latest: float) -> None:
         """Compute the approach speed and the time of the touch from the present velocities.
