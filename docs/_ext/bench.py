@@ -21,7 +21,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from bristle_sim.cli.explore import bench, searches
-from bristle_sim.cli.explore.server import server
+from bristle_sim.cli.explore.server import Server
 from bristle_sim.cli.scenario import main_scenario
 
 SIZE = {"width": 1280, "height": 820}
@@ -38,7 +38,7 @@ def picture(assignments: list[str], path: Path) -> bool:
         return False
     if chromium is None:
         return False
-    serving = server()
+    serving = Server()
     threading.Thread(target=serving.serve_forever, daemon=True).start()
     query = urlencode([tuple(each.split("=", 1)) for each in assignments])
     with sync_playwright() as driver:
