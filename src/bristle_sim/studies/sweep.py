@@ -127,11 +127,9 @@ def _check(
     if not callable(function):
         raise ValueError(f"function = {shown(function)}: must be callable")
     try:
-        signature = inspect.signature(function)
-    except (TypeError, ValueError):  # some built-in functions have none
+        inspect.signature(function).bind(**arguments)
+    except ValueError:  # some built-in functions have no signature
         return
-    try:
-        signature.bind(**arguments)
     except TypeError as error:
         raise ValueError(
             f"space: must have the arguments of {name_of(function)} ({error})"
