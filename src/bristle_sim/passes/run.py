@@ -12,8 +12,8 @@ from bristle_sim.passes.flight import fly
 from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.slide import slide
 from bristle_sim.passes.state import FLIES, FOLDS, LOCKED, MISSED, TOO_MANY, Chosen, Passes
-from bristle_sim.theory.impact import energetic_impact
-from bristle_sim.theory.impact_phases import JAM
+from bristle_sim.theory.impact import energetic_end
+from bristle_sim.theory.impact_phases import JAM, resolve_phases
 
 LOCAL_FRACTION = 1e-3
 """Local tolerance of a step over the requested accuracy, as the errors of a thousand steps may add
@@ -59,12 +59,16 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
 
     A wire that stays on the bar is followed until it leaves the bar or the pass ends.
     """
-    touch = levers(passes, pose_of(passes.hub_angle, passes.angle, passes.rate))
-    rows = np.array([touch.normal, touch.tangential])
-    inverse_mass = (rows[:, np.newaxis] * rows).transpose(2, 0, 1)
-    velocity = np.array([touch.normal_velocity, touch.tangential_velocity]).T
-    hit = energetic_impact(inverse_mass, velocity, passes.bar_friction, passes.bar_restitution)
-    passes.rate += rows[0] * hit.impulse_normal + rows[1] * hit.impulse_tangential
+    normal, tangential, approach, slip, side = levers(
+        passes, pose_of(passes.hub_angle, passes.angle, passes.rate)
+    )
+    friction, restitution = passes.bar_friction, passes.bar_restitution
+    inverse_mass = (normal * normal, normal * tangential, tangential * tangential)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        hit = resolve_phases(
+            energetic_end, *inverse_mass, approach, slip, friction, restitution, friction
+        )
+    passes.rate += normal * hit.impulse_normal + tangential * hit.impulse_tangential
     passes.touches += 1.0
     passes.touching[:] = 1.0
     passes.release[:], passes.release_angle[:] = passes.hub_angle, passes.angle
@@ -72,25 +76,25 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     ending[hit.outcome == JAM] = LOCKED
 
     at_end = touch_at_end(passes, passes.hub_angle)
-    held = lying(passes, passes.hub_angle, touch.side, at_end)
+    held = lying(passes, passes.hub_angle, side, at_end)
     parting = np.maximum(hit.velocity_normal, 0.0)
-    pressed = np.abs(touch.normal) * held.pressure
-    approach = np.maximum(-touch.normal_velocity, LEAST_SPEED)
+    pressed = np.abs(normal) * held.pressure
+    speed = np.maximum(-approach, LEAST_SPEED)
     # An error of the angle shifts the touch, and so changes the rate.
-    amplified = (1.0 + passes.bar_restitution) * np.abs(pressed) / (approach * passes.rate_scale)
+    amplified = (1.0 + restitution) * np.abs(pressed) / (speed * passes.rate_scale)
     passes.error[:] = np.minimum(passes.error * (1.0 + amplified), 1.0)  # 1: any uncertainty
     # Without the bar the overlap would stay within the accuracy, and the gap would open again.
-    passes.error[touch.normal_velocity**2 < -2.0 * pressed * accuracy] = 1.0
+    passes.error[approach**2 < -2.0 * pressed * accuracy] = 1.0
     low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
     # Rebounds that begin with the speed v last 2 v/(a (1 - e)) in all, here twice that time.
-    lost = pressed * (1.0 - parting / approach)
+    lost = pressed * (1.0 - parting / speed)
     lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
-    low |= comes_to_rest(passes, touch.side, at_end, held.pressure, lasting)
+    low |= comes_to_rest(passes, side, at_end, held.pressure, lasting)
     stays = np.flatnonzero((ending == FLIES) & (pressed > 0.0) & low)
     if stays.size:
         some = passes.take(stays)
         some.rate[:] = held.rate[stays]
-        ending[stays] = slide(some, touch.side[stays])
+        ending[stays] = slide(some, side[stays])
         some.error[some.error < 1.0] = ROUNDING
         passes.put(stays, some)
         ending[_folds(passes)] = FOLDS

@@ -132,7 +132,7 @@ def energetic_impact(
     (1.0, -0.5)
     """
     given = (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
-    return _resolve(_energetic_end, given, tangential_compliance)
+    return _resolve(energetic_end, given, tangential_compliance)
 
 
 def poisson_impact(
@@ -203,7 +203,8 @@ They differ in the normal impulse at which restitution ends. To add a law, write
 returns this impulse and a function of the law, and enter the law here."""
 
 
-def _energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
+def energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
+    """Return the normal impulse at which restitution ends by the energetic coefficient, N s."""
     # The root of v p + a p^2/2 = W in the form without cancellation; a work that underflows takes
     # no impulse.
     work = select(target.work > 0.0, target.work, 0.0)
