@@ -95,9 +95,10 @@ class CueTiming:
         """
         assert self.tool.workpart is not None
         geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)
-        turn = np.exp(1j * (-float(cueing.impact_angle(*geometry)) - self.trajectory.hub_angle[-1]))
-        points = (self.trajectory.centre_line[[0, -1]] @ np.array([1.0, 1j])) * turn
-        return np.stack([points.real, points.imag], axis=-1)
+        turn = -float(cueing.impact_angle(*geometry)) - float(self.trajectory.hub_angle[-1])
+        cosine, sine = math.cos(turn), math.sin(turn)
+        rotation = np.array([[cosine, sine], [-sine, cosine]])
+        return np.asarray(self.trajectory.centre_line[[0, -1]] @ rotation)
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:

@@ -302,14 +302,13 @@ def _places(blasting: Blasting, number: int, random: np.random.Generator) -> Arr
     pitch = blasting.track_width / blasting.planes
     scatter = 0.5 * pitch if blasting.place_scatter is None else blasting.place_scatter
     ends = np.rint(np.linspace(0.0, number, blasting.passes + 1)).astype(int)
-    along = list[Array]()
-    plane = list[Array]()
-    for count in np.diff(ends):
-        start = random.uniform() if along else 0.0
-        along.append((np.arange(count) / max(count, 1) + start) % 1.0 * length)
-        plane.append(np.arange(count) % round(width / pitch))
-    across = (np.concatenate(plane) + 0.5) * pitch + scatter * random.standard_normal(number)
-    return np.column_stack([np.concatenate(along), across % width])
+    counts = np.diff(ends).tolist()
+    starts = [0.0, *random.uniform(size=blasting.passes - 1)]
+    passes = zip(counts, starts, strict=True)
+    along = [(np.arange(count) / max(count, 1) + start) % 1.0 for count, start in passes]
+    plane = np.concatenate([*map(np.arange, counts)]) % round(width / pitch)
+    across = (plane + 0.5) * pitch + scatter * random.standard_normal(number)
+    return np.column_stack([np.concatenate(along) * length, across % width])
 
 
 def mean_rz(ground: Ground, cutoff: float) -> float:

@@ -24,6 +24,7 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
 from bristle_sim.studies.whole_pass import require_result, require_rigid, run_fields
+from bristle_sim.theory.cueing import field_stiffness
 from bristle_sim.trajectory import Trajectory
 
 # Largest number of simulated revolutions. In flight the swing decays by exp(-2 pi zeta) in a period.
@@ -93,13 +94,9 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
-    bristle = tool.bristle
-    hub = tool.hub
     least = max(REPEATED, MAGNIFIED * settings.accuracy)
-    stiffness = (
-        tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
-    )
-    natural_rate = max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)
+    stiffness = tool.belt.stiffness + field_stiffness(tool)
+    natural_rate = max(math.sqrt(stiffness / tool.bristle.inertia_about_root), tool.hub.speed)
     settings = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
     runs = list[Trajectory]()
     changes = list[float]()
