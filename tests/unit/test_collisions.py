@@ -119,3 +119,16 @@ def test_a_link_of_several_that_comes_to_rest_has_no_impact() -> None:
     assert [contact.pair for contact in motion.contacts] == [tip]
     assert system.recording.contacts == []
     assert system.approach(tip) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_single_link_that_comes_to_rest_has_an_impact_without_restitution() -> None:
+    mechanism = Mechanism((Link.rod(1.0, 1.0),))
+    state = State(0.0, (0.9,), (-0.5,))
+    pair = WorkpartPair(-mechanism.poses(state)[0].corners[-1].imag, 0.0, 0.0, 0.5)
+    scene = Scene(mechanism, Effects(pairs=(pair,)))
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9))
+    motion = decide(system, Motion(), Happening(Kind.REST, pair))
+    assert [contact.pair for contact in motion.contacts] == [pair]
+    ((record, _),) = system.recording.contacts
+    assert record.velocity_before[0] == pytest.approx(-0.5 * np.sin(0.9))
+    assert record.velocity_after[0] == pytest.approx(0.0, abs=1e-15)

@@ -288,14 +288,14 @@ class TestStick:
             approach = rate * math.sin(first) + other * math.sin(second)
             rates = (rate, other) if approach < 0.0 else (-rate, -other)
             chain = Chain((random.uniform(0.2, 5.0), 1.0), (1.0, 1.0), (first, second), rates)
-            surface = Surface(random.uniform(0.05, 1.0), None, random.uniform(0.1, 1.0))
+            surface = Surface(10.0 ** random.uniform(-3.0, 1.0), None, random.uniform(0.1, 1.0))
             limit = strike(chain, surface, Contact(), Settings()).contact
             short = found(chain, surface, None)
             assert short.outcome == limit.outcome
             size = max(map(abs, limit.rates_after))
             assert short.rates_after == pytest.approx(limit.rates_after, abs=3e-5 * size)
             slips += limit.phases[0].endswith("slip")
-        assert 3 <= slips <= 9
+        assert 3 <= slips <= 11
 
     @pytest.mark.parametrize("links", [1, 2, 3])
     def test_stays_within_the_friction_cone(self, links: int) -> None:

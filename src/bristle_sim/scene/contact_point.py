@@ -86,8 +86,9 @@ def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> Contact
         both = 1j * touch.arm * touch.normal.conjugate()
         lever = both.real
         along = -both.imag if abs(both.imag) > ROUNDING * abs(touch.arm) else 0.0
-        turning = lever / mechanism.links[0].inertia_about_joint
-        rubbing = along / mechanism.links[0].inertia_about_joint
+        inertia = mechanism.links[0].inertia_about_joint
+        turning = lever / inertia
+        rubbing = along / inertia
         rows = ((lever * turning, lever * rubbing), (lever * rubbing, along * rubbing))
         free = 0.0 if along else turning  # without tangential motion every impulse acts as in stick
         return ContactPoint(touch, rows, ((turning,), (rubbing,)), (free,), lever * free)

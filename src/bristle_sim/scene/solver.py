@@ -49,7 +49,7 @@ from pymunk._chipmunk_cffi import lib
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact_point import contact_rows
 from bristle_sim.scene.engine import Placer
-from bristle_sim.scene.mechanism import Complexes, Mechanism, State, cross
+from bristle_sim.scene.mechanism import Complexes, Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, FixedPair
 
 # least singular value that counts, over the largest one; a smaller one is rounding error, because a
@@ -305,11 +305,12 @@ class LinkVelocity:
         for _ in range(NEWTON_ROUNDS):
             turn = rect(1.0, angle)
             gap, point, normal = self._pair.touch((joint + turn * start, joint + turn * end))
-            lever = cross(point - joint, normal)
+            across = 1j * normal.conjugate()
+            lever = ((point - joint) * across).real
             if abs(lever) < LEAST_LEVER:
                 return state
             angle -= gap / lever
-            rate = -self._speed * cross(joint, normal) / lever
+            rate = -self._speed * (joint * across).real / lever
             if abs(gap) < CLOSED_GAP:
                 break
         return State(time, (angle,), (rate,))
