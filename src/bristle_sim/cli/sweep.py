@@ -61,11 +61,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
         raise ValueError(f"--sweep = {', '.join(options.sweep)}: must be one key or two")
     found = _swept(scenario, options, axes)
     chosen = _chosen(found, options.quantity)
-    columns = table_columns(found)
     answer = sweep_in_words(found, chosen)
-    fixed = {
-        key: value for key, value in scenario.values_of(options.set).items() if key not in axes
-    }
 
     def plot(target: Path) -> None:
         """Draw the chosen quantities over the swept parameters."""
@@ -74,11 +70,13 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
         save_figure(sweep_figure(found, chosen), target)
 
-    contents: dict[str, Content] = {
-        "plot": plot,
-        "csv": csv_text(columns),
-        "json": json_of(scenario.name, answer, fixed, columns=columns),
-    }
+    contents: dict[str, Content] = {"plot": plot}
+    if options.csv is not None:
+        contents["csv"] = csv_text(table_columns(found))
+    if options.json is not None:
+        values = scenario.values_of(options.set)
+        fixed = {key: value for key, value in values.items() if key not in axes}
+        contents["json"] = json_of(scenario.name, answer, fixed, columns=table_columns(found))
     table = _rows(found, chosen) if len(axes) == 1 else _extremes(found, chosen)
     table += _wrapped("constant", constants_in_words(found))
     deliver(options, targets, contents, "\n".join([answer, "", *table]))
