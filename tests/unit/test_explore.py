@@ -294,6 +294,26 @@ def test_a_worker_ends_with_its_server() -> None:
         time.sleep(0.01)
 
 
+@pytest.mark.parametrize("from_file", [True, False])
+def test_a_program_of_any_form_may_start_a_worker(tmp_path: Path, from_file: bool) -> None:
+    """Without a guard, and without a file; the worker does not run it again."""
+    program = (
+        "from bristle_sim.cli.explore.worker import Worker\n"
+        "print('once')\nprint(Worker().answer('run', ([], []))['answer'])"
+    )
+    file = tmp_path / "program.py"
+    file.write_text(program)
+    done = subprocess.run(
+        [sys.executable, str(file) if from_file else "-"],
+        input="" if from_file else program,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert re.match(r"once\nThe bristle strikes at ", done.stdout)
+    assert not done.stderr
+
+
 def is_alive(pid: int) -> bool:
     """Whether a process runs; one whose status nobody has asked for does not."""
     try:

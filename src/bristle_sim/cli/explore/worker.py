@@ -6,25 +6,28 @@ Linear algebra runs in one thread in each process. The systems of equations of a
 rows; several threads, which wait for each other, made a run take three times as long while a map
 was computed.
 
-Server and process are connected by a pipe. The server sends computations, and the number of a
-computation to stop it. The process sends its progress, a float, and its answer. It ends when the
-pipe is closed, and therefore with the server, however the server ends.
+Server and process exchange pickled objects. The process reads computations, and the number of a
+computation to stop it, from its standard input. It writes its progress, a float, and its answer to
+its standard output. It ends when its input ends, and therefore with the server, however the server
+ends. It does not import the program that started the server, as a process of multiprocessing would.
 """
 
 from __future__ import annotations
 
 import contextlib
 import logging
-import multiprocessing
 import os
+import pickle
 import pkgutil
 import queue
 import signal
+import subprocess
+import sys
 import threading
 import time
 import warnings
-from multiprocessing.connection import Connection
-from typing import Any
+import weakref
+from typing import Any, BinaryIO
 
 from bristle_sim.studies.sweep_point import THREADS
 
@@ -62,20 +65,21 @@ class Worker:
 
     Attributes:
         progress: finished fraction of the present computation, as last reported.
+        reason: reason why the server has ended the process, in one line; otherwise empty.
     """
 
     def __init__(self) -> None:
         """Start the process, which then imports the modules that it needs."""
         self.progress = 0.0
-        self._number = 0  # of the present computation
-        self._deadline = 0.0  # at which the present computation is ended
-        self._late = ""  # reason for its end
-        os.environ |= dict.fromkeys(THREADS, "1") | os.environ  # the process inherits it
-        start = multiprocessing.get_context("spawn")
-        self._pipe, theirs = start.Pipe()
-        self._process = start.Process(target=work, args=[theirs], daemon=True)
-        self._process.start()
-        theirs.close()
+        self.reason = ""
+        self._number = 0  # odd during a computation, of which it is the number
+        self._process: Any = subprocess.Popen(
+            [sys.executable, "-c", f"from {__name__} import work; work()"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=dict.fromkeys(THREADS, "1") | os.environ,
+        )
+        weakref.finalize(self, _end, self._process)
 
     def answer(self, kind: str, arguments: tuple[Any, ...]) -> Answer:
         """Let the process do a computation, and return its result.
@@ -83,39 +87,55 @@ class Worker:
         A result with the entry ``error`` gives the reason why the input was refused or why the
         process ended.
         """
-        self._number += 1
+        late = f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"
+        timer = threading.Timer(TIME_LIMIT, self._kill, [late])
+        timer.start()
         self.progress = 0.0
-        self._late = f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"
-        self._deadline = time.monotonic() + TIME_LIMIT
+        self._number += 1
         try:
-            self._pipe.send((self._number, kind, arguments))
-            while time.monotonic() < self._deadline:
-                if self._pipe.poll(REPORTED):
-                    found = self._pipe.recv()
-                    if not isinstance(found, float):
-                        return dict(found)
-                    self.progress = found
-        except (EOFError, OSError):  # the process has ended
-            self._process.join()
-            status = self._process.exitcode
-            return {
-                "error": f"the process that computed this ended with status {status}; try other values"
-            }
-        self._process.kill()
-        self._process.join()
-        return {"error": self._late}
+            self._send((self._number, kind, arguments))
+            while isinstance(found := pickle.load(self._process.stdout), float):
+                self.progress = found
+        except (EOFError, OSError, pickle.UnpicklingError):
+            words = f"the process that computed this ended with status {self._process.wait()}; try other values"
+            return {"error": self.reason or words}
+        finally:
+            timer.cancel()
+            self._number += 1
+        return dict(found)
 
     @property
     def alive(self) -> bool:
         """Whether the process still runs."""
-        return self._process.is_alive()
+        return self._process.poll() is None
 
     def stop(self) -> None:
         """Stop the present computation; end the process if the computation does not stop in time."""
-        self._late = STOPPED
-        self._deadline = time.monotonic() + GRACE
+        number = self._number
         with contextlib.suppress(OSError):  # the process has ended
-            self._pipe.send(self._number)
+            self._send(number)
+
+        def end() -> None:
+            """End the process if it still computes the same."""
+            if number == self._number:
+                self._kill(STOPPED)
+
+        timer = threading.Timer(GRACE, end)
+        timer.daemon = True
+        timer.start()
+
+    def _send(self, message: Any) -> None:
+        self._process.stdin.write(pickle.dumps(message))
+        self._process.stdin.flush()
+
+    def _kill(self, reason: str) -> None:
+        self.reason = reason
+        self._process.kill()
+
+
+def _end(process: Any) -> None:
+    process.kill()
+    process.communicate()
 
 
 class Workers:
@@ -168,19 +188,20 @@ class Workers:
             older.stop()
 
 
-def work(pipe: Connection) -> None:
-    """Do the computations that arrive at a pipe until it is closed; then end the process at once,
-    even during a run.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, and therefore the pipe
+def work() -> None:
+    """Do computations until standard input ends; then end the process at once, even during a run."""
+    # Ctrl-C ends the server, and therefore standard input
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for all other printed text
     jobs: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    watch = Watch(pipe)
+    watch = Watch(answers)
 
     def read() -> None:
-        """Read computations, and numbers of those to stop, until the pipe is closed."""
+        """Read computations, and numbers of those to stop, until standard input ends."""
         with contextlib.suppress(EOFError, OSError):
             while True:
-                message = pipe.recv()
+                message = pickle.load(sys.stdin.buffer)
                 if isinstance(message, int):
                     watch.stopped = message
                 else:
@@ -204,7 +225,8 @@ def work(pipe: Connection) -> None:
             found = function(pass_of, *arguments)
         except (ValueError, ArithmeticError, StoppedError) as error:
             found = {"error": " ".join(str(error).split())}
-        pipe.send(found)
+        pickle.dump(found, answers)
+        answers.flush()
 
 
 class StoppedError(Exception):
@@ -219,11 +241,11 @@ class Watch(logging.Handler):
         stopped: number of the computation that was stopped last.
     """
 
-    def __init__(self, pipe: Connection) -> None:
+    def __init__(self, answers: BinaryIO) -> None:
         super().__init__(logging.DEBUG)
         self.number = 0
         self.stopped = -1
-        self._pipe = pipe
+        self._answers = answers
         self._reported = 0.0
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -236,4 +258,5 @@ class Watch(logging.Handler):
             raise StoppedError(STOPPED)
         if record.name.endswith("scene.simulate") and time.monotonic() - self._reported > REPORTED:
             self._reported = time.monotonic()
-            self._pipe.send(float(record.getMessage()))
+            pickle.dump(float(record.getMessage()), self._answers)
+            self._answers.flush()
