@@ -34,9 +34,9 @@ BEND = 0.5
 """Longest path of the wire's end in a segment of a step near the bar, over the distance of the
 wire's centre line from the bar's centre at a touch."""
 
-FASTER = 1.5
-"""Assumed upper bound of a gap's rate within a step, over its largest rate at the ends of the
-segments."""
+FASTER = 2.0
+"""Assumed upper bound of a gap's rate within a segment that has a minimum, over the larger of its
+rates at the two ends."""
 
 EDGE = 1e-9  # tolerance, rad, within which a hub angle counts as inside the bar's window
 MINIMUM_ERROR = 1e-8  # largest error of the place of a minimum, over its segment
@@ -176,8 +176,8 @@ def first_closing(
     some = passes.take(chosen)
     gaps, rates = clearance(obstacle, some, pose_of(some.hub_angle + turns, angles, rates))
     begins = leaving[chosen]
-    fastest = np.abs(rates).max(axis=0) * (FASTER * SEGMENT * turns[-1])
-    candidate = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < fastest)
+    way = FASTER * np.maximum(-rates[:-1], rates[1:]) * (turns[1:] - turns[:-1])
+    candidate = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < way)
     candidate[0, begins] = False
     candidate |= gaps[1:] <= 0.0
     while (number := np.flatnonzero(candidate.any(axis=0))).size:
