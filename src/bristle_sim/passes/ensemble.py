@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import Request, passes_of, request_of
@@ -48,6 +49,9 @@ REASONS = {
 UNTOUCHED = "the wire does not touch the bar"
 OTHERWISE = "a change within the accuracy gives it another course or outcome"
 
+Columns = dict[str, NDArray[Any]]
+"""Results of all passes of a request by name, and their outcomes, as codes, and reasons."""
+
 
 def ensemble(
     tool: Tool | None = None,
@@ -89,14 +93,17 @@ def ensemble(
     """
     checked = Settings(accuracy=accuracy, hub_turn=hub_turn)
     request = request_of(Tool() if tool is None else tool, values, checked.hub_turn)
-    results = Results(request, checked.accuracy)
+    columns: Columns = {name: np.full(request.size, np.nan) for name in QUANTITIES}
+    columns["outcome"] = np.full(request.size, REFUSED, dtype=np.int8)
+    columns["reason"] = np.full(request.size, "", dtype=object)
     nothing = passes_of(request, np.arange(0))[0]
     groups = {FLIES: nothing, BAR: nothing}
+    ended = list[Passes]()
     begun = under_way = 0
     while begun < request.size or under_way:
         if begun < request.size and under_way < LEAST_FLYING:
             last = min(begun + BLOCK, request.size)
-            fresh, results.reason[begun:last] = passes_of(request, np.arange(begun, last))
+            fresh, columns["reason"][begun:last] = passes_of(request, np.arange(begun, last))
             groups[FLIES] = joined(groups[FLIES], fresh)
             begun = last
         # the larger group goes on: calls for few passes cost as much as for many
@@ -107,73 +114,41 @@ def ensemble(
         for code, others in groups.items():
             groups[code] = joined(others, group.take(np.flatnonzero(group.code == code)))
         under_way = groups[FLIES].size + groups[BAR].size
-        over = np.flatnonzero(group.code > BAR)
-        if over.size:
-            results.add(group.take(over))
-            if progress is not None:
-                progress((begun - under_way) / request.size)
-    return results.ensemble()
+        # passes that have ended wait until many can be evaluated at once
+        ended.append(group.take(np.flatnonzero(group.code > BAR)))
+        if sum(each.size for each in ended) >= LEAST_FLYING or not under_way:
+            _record(request, checked.accuracy, joined(*ended), columns)
+            ended.clear()
+        if progress is not None:
+            progress((begun - under_way) / request.size)
+    columns["outcome"] = np.array(OUTCOMES)[columns["outcome"]]
+    shaped = {name: each.reshape(request.shape) for name, each in columns.items()}
+    return Ensemble(keys=request.given, **shaped)
 
 
-class Results:
-    """Collects the results of all passes of a request.
-
-    Passes that have ended wait until many can be evaluated at once.
-    """
-
-    def __init__(self, request: Request, accuracy: float) -> None:
-        self.request = request
-        self.accuracy = accuracy
-        self.columns = {name: np.full(request.size, np.nan) for name in QUANTITIES}
-        self.codes = np.full(request.size, REFUSED, dtype=np.int8)
-        self.reason = np.full(request.size, "", dtype=object)
-        self.waiting = list[Passes]()
-
-    def add(self, passes: Passes) -> None:
-        """Add passes that have ended."""
-        self.waiting.append(passes)
-        if sum(each.size for each in self.waiting) >= LEAST_FLYING:
-            self._record(joined(*self.waiting))
-            self.waiting.clear()
-
-    def _record(self, passes: Passes) -> None:
-        """Evaluate passes that have ended, and store their results."""
-        numbers = passes.number.astype(int)
-        for code, reason in REASONS.items():
-            self.reason[numbers[passes.code == code]] = reason
-        over = np.flatnonzero(np.isin(passes.code, (MISSED, LOCKED, WORKPART)))
-        done, numbers = passes.take(over), numbers[over]
-        values = self.request.at(numbers)
-        self.codes[numbers] = np.where(done.code == LOCKED, JAMS, MISSES)
-        found = {
-            "release_time": (done.release - done.start) / values["hub_speed"],
-            "release_retraction": -done.release_angle,
-            "largest_retraction": -done.lowest,
-            "error_estimate": np.minimum(done.error, UNCERTAIN),
-        }
-        for name, each in found.items():
-            self.columns[name][numbers] = each
-        struck = np.flatnonzero(done.code == WORKPART)
-        if struck.size:
-            own = {key: each[struck] for key, each in values.items()}
-            found = strike(done.take(struck), own, self.accuracy)
-            self.codes[numbers[struck]] = found.pop("outcome")
-            for name, each in found.items():
-                self.columns[name][numbers[struck]] = each
-        for where, reason in (
-            (np.isnan(done.release), UNTOUCHED),
-            (self.columns["error_estimate"][numbers] >= UNCERTAIN, OTHERWISE),
-        ):
-            open_question = where & (self.reason[numbers] == "")
-            self.reason[numbers[open_question]] = reason
-
-    def ensemble(self) -> Ensemble:
-        """Return all results, in arrays of the request's shape."""
-        if self.waiting:
-            self._record(joined(*self.waiting))
-        shape = self.request.shape
-        shaped = {name: each.reshape(shape) for name, each in self.columns.items()}
-        outcome = np.array(OUTCOMES)[self.codes].reshape(shape)
-        return Ensemble(
-            keys=self.request.given, outcome=outcome, reason=self.reason.reshape(shape), **shaped
-        )
+def _record(request: Request, accuracy: float, passes: Passes, columns: Columns) -> None:
+    """Evaluate passes that have ended, and store their results in ``columns``."""
+    reason = columns["reason"]
+    numbers = passes.number.astype(int)
+    for code, text in REASONS.items():
+        reason[numbers[passes.code == code]] = text
+    over = np.flatnonzero(np.isin(passes.code, (MISSED, LOCKED, WORKPART)))
+    done, numbers = passes.take(over), numbers[over]
+    values = request.at(numbers)
+    found = {
+        "release_time": (done.release - done.start) / values["hub_speed"],
+        "release_retraction": -done.release_angle,
+        "largest_retraction": -done.lowest,
+        "error_estimate": np.minimum(done.error, UNCERTAIN),
+        "outcome": np.where(done.code == LOCKED, JAMS, MISSES),
+    }
+    for name, each in found.items():
+        columns[name][numbers] = each
+    struck = np.flatnonzero(done.code == WORKPART)
+    if struck.size:
+        own = {key: each[struck] for key, each in values.items()}
+        for name, each in strike(done.take(struck), own, accuracy).items():
+            columns[name][numbers[struck]] = each
+    uncertain = columns["error_estimate"][numbers] >= UNCERTAIN
+    for where, text in ((np.isnan(done.release), UNTOUCHED), (uncertain, OTHERWISE)):
+        reason[numbers[where & (reason[numbers] == "")]] = text
