@@ -18,10 +18,14 @@ from bristle_sim.render.drawing import (
 )
 from bristle_sim.studies.bent_bristles import BentBristles, against_film
 from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
-from bristle_sim.trajectory import ContactRecord
+from bristle_sim.trajectory import ContactRecord, Trajectory
 
-SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
-NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
+SHAPES = {
+    "reverse": ("reverse bent", VERMILION),
+    "straight": ("straight", BLUE),
+    "forward": ("forward bent", GREEN),
+}
+"""Name and colour of each shape of wire."""
 
 # Time shown before the first touch and after the last touch, s
 BEFORE = 0.6e-3
@@ -59,10 +63,10 @@ def bent_figure(bent: BentBristles) -> Figure:
     drawn = []
     for shape, run in bent.trajectories.items():
         contact = run.first_contact("workpart")
-        never = " (never strikes)" * (contact is None)
-        shapes[NAMES[shape] + never] = {"color": SHAPES[shape]}
+        name, color = SHAPES[shape]
+        shapes[name + " (never strikes)" * (contact is None)] = {"color": color}
         if contact is not None:
-            drawn.append(_draw_strike((wires, paths, slides), bent, shape, contact))
+            drawn.append(_draw_strike((wires, paths, slides), run, contact, color))
     for axes, points in zip((wires, paths), zip(*drawn, strict=True), strict=False):
         ground = (0.0, -0.05 * float(np.ptp(np.concatenate(points)[:, 1])))
         show_points(axes, [*points, ground], 0.08)
@@ -87,7 +91,7 @@ def bent_figure(bent: BentBristles) -> Figure:
 
 
 def _draw_strike(
-    panels: Sequence[Axes], bent: BentBristles, shape: str, contact: ContactRecord
+    panels: Sequence[Axes], run: Trajectory, contact: ContactRecord, color: str
 ) -> tuple[Array, Array]:
     """Draw a wire, the path of its tip and its displacement in touch.
 
@@ -95,8 +99,6 @@ def _draw_strike(
         The wire and the tip's path from the first touch on, mm from the point of strike.
     """
     wires, paths, slides = panels
-    run = bent.trajectories[shape]
-    color = SHAPES[shape]
     touch = contact.time
     end = touch + contact.duration
     struck = run.at(touch)

@@ -109,11 +109,9 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     axes.legend(
         loc="upper left",
         bbox_to_anchor=(-0.2, -LEGEND / PANEL[1]),
-        borderaxespad=0.0,
         ncols=2,
         columnspacing=0.8,
         labelspacing=0.2,
-        handlelength=2.0,
         fontsize=6.0,
     )
     lines = [textwrap.fill(each, 68) for each in case.notes]
