@@ -9,8 +9,7 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.settings import Settings
-from bristle_sim.studies.pass_invariants import quadrature
-from bristle_sim.studies.turn_forces import Force, load_cell_response, turn_forces
+from bristle_sim.studies.turn_forces import Force, load_cell_response, quadrature, turn_forces
 from bristle_sim.studies.whole_tool import (
     Assembly,
     TurnNotCompleted,

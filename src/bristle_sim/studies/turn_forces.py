@@ -24,7 +24,6 @@ from bristle_sim.studies.pass_invariants import (
     impulse_moment,
     in_plane,
     nearest,
-    quadrature,
     surface_point,
 )
 from bristle_sim.trajectory import ContactRecord, Interpolation, Trajectory
@@ -144,6 +143,18 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
         instants, weights = quadrature(run.time)
         lost += tool.belt_damping * float((weights * run.at(instants).relative_rate ** 2).sum())
     return lost
+
+
+def quadrature(time: Array) -> tuple[Array, Array]:
+    """Return instants between n samples, s, and the weights of an integral over time at them, both
+    of shape (n - 1, 2).
+
+    It is the Gauss-Legendre rule of fourth order. Samples h rad of the oscillation apart have a
+    relative error of h^4/4320: 1e-11 with 400 samples in a period.
+    """
+    step = np.diff(time)[:, np.newaxis]
+    places = 0.5 + np.array([-0.5, 0.5]) / math.sqrt(3.0)
+    return time[:-1, np.newaxis] + step * places, np.repeat(0.5 * step, 2, axis=1)
 
 
 def _sustained(
