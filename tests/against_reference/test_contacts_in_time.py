@@ -163,6 +163,18 @@ def test_a_dent_lasts_while_a_neighbour_moves() -> None:
         assert touches(run) == pytest.approx([time + later for time in lone], rel=1e-9)
 
 
+def test_a_wire_of_a_row_is_pressed_on_by_its_belt() -> None:
+    """Without restitution the spring is compressed anew after each contact, in a row as alone; the wires do not meet."""
+    tool = timed(2e-4, friction=0.66, restitution=0.0)
+    lone = bs.simulate(tool, bs.Settings(accuracy=ACCURACY, hub_turn=2.2))
+    row = {"pitch": 0.6856, "neighbour_friction": 0.2, "neighbour_restitution": 0.5}
+    settings = bs.Settings(accuracy=ACCURACY, hub_turn=2.2 - row["pitch"])
+    run = bs.simulate_row(tool, settings, bristles=2, **row)[0]
+    assert len(touches(lone)) == 4
+    assert touches(run) == pytest.approx(touches(lone), abs=10.0 * ACCURACY * 1e-3)
+    assert {each.law for each in run.contacts if each.obstacle == "workpart"} == {"compliant"}
+
+
 def test_beside_a_bar() -> None:
     """A bar 0.3 mm beside the wire is met 9.4 us after the touch, while the spring acts."""
     full = bs.simulate(timed(1e-3))

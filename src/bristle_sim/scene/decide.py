@@ -238,7 +238,7 @@ def _after_spring_event(
     if again is not None:
         system.event(f"{pair.name} release", wires)
         system.event(_touch_name(system, pair), wires, lasts=True)
-        return Motion((again,), motion.separating)
+        return Motion((*staying, again), motion.separating)
     if spent or leaves:
         system.event(f"{pair.name} release", wires)
         return Motion(staying, (*motion.separating, pair))

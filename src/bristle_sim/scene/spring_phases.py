@@ -57,11 +57,13 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
     """Return a new contact with a spring for a tip that is left at rest on the surface; None if no
     force presses the tip against it.
 
-    The tip is that of a single link whose last contact has just ended. A static load compresses the spring by the load over the stiffness. Where the belt is the load
+    The tip is that of a wire of one link whose last contact has just ended. A static load compresses the spring by the load over the stiffness. Where the belt is the load
     and the contact is not very short, this compression exceeds the accuracy. Without restitution
     the spring is compressed again after each contact.
     """
-    if not system.mechanism.single_link or motion.contacts or not system.waiting:
+    own = set(system.wires_of(pair))
+    coupled = any(own & set(system.wires_of(contact.pair)) for contact in motion.contacts)
+    if system.mechanism.wire_links > 1 or coupled or not system.waiting:
         return None
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state
