@@ -16,6 +16,7 @@ from benchmarks.law_march import (
     nearly_singular_impacts,
     random_impacts,
 )
+from bristle_sim.theory import impact_compliance
 from bristle_sim.theory.impact import (
     OUTCOMES,
     Impact,
@@ -369,6 +370,33 @@ def test_a_jam_ends_where_its_forces_are_in_balance(restitution: float, eta2: fl
             matrix[number], velocity[number], mu[number], restitution, tangential_compliance=eta2
         )
         assert single.impulse_normal == pytest.approx(many.impulse_normal[number], rel=1e-12)
+
+
+def test_a_force_that_fades_slowly_ends_after_a_bounded_number_of_phases(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The root moves away 1e-5 times as fast as the rod strikes: the point swings 1e5 times and slips a little in each swing."""
+    monkeypatch.setattr(impact_compliance, "MOST_IN_STICK", 300)
+    advance = impact_compliance._Contacts.advance
+    phases = 0
+
+    def counted(contacts: object, active: np.ndarray) -> np.ndarray:
+        nonlocal phases
+        phases += 1
+        assert phases < 1000
+        return advance(contacts, active)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(impact_compliance._Contacts, "advance", counted)
+    for angle, friction, restitution in ((0.41, 0.481, 0.6), (0.42, 0.497, 0.5)):
+        phases = 0
+        s, c, away = math.sin(angle), math.cos(angle), 1e-5
+        velocity = [c * away - s, -c - s * away]
+        found = energetic_impact(
+            np.outer([s, c], [s, c]), velocity, friction, restitution, tangential_compliance=0.01
+        )
+        assert found.outcome_name == "rebound"
+        # What is left is the root's speed; the point returns with its rod or is held by friction.
+        assert c * found.velocity_normal - s * found.velocity_tangential == pytest.approx(away)
 
 
 def test_one_freedom_across_its_line_jams() -> None:
