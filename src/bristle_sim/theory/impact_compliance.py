@@ -222,9 +222,8 @@ class _Contacts:
         velocity[:, chosen] = after.normal[kept], after.tangential[kept]
         totals[:, chosen], slips[chosen] = self.by_row[:, chosen], self.slips[chosen]
         counts = (before.slip == 0.0) | (before.restitution < LEAST_EXACT)
-        counts |= ~loading & (
-            before.stick == 0.0
-        )  # a force that fades slowly, with slip in each swing
+        # a force that fades slowly, with a little slip in each swing
+        counts |= ~loading & (before.stick == 0.0)
         self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
         over = (
