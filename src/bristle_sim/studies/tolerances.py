@@ -49,6 +49,8 @@ ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
 # Number of sequences with independent scramblings. The interval of their mean is then a seventh wider than if their
 # scatter were known exactly.
 SEQUENCES = 16
+# Number of passes of one call. Their arrays stay in the processor's cache; twice as many passes take a fifth longer each.
+BATCH = 8192
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,15 +248,18 @@ def sobol_study(
     mixed = np.tile(first, (inputs, 1, 1))
     mixed[np.arange(inputs), np.arange(inputs)] = second
 
-    def at(sample: Array) -> Array:
-        """Return the outputs at the points of a sample, shape (outputs, samples)."""
-        points = dict(zip(intervals, sample, strict=True))
+    def at(batch: Array) -> Array:
+        """Return the outputs at a batch of points, shape (outputs, points)."""
+        points = dict(zip(intervals, batch, strict=True))
         found = function(**points)
         _require_results(found, points, outputs)
         return np.array([found[name] for name in outputs])
 
+    every = np.concatenate([first, second, *mixed], axis=1)
+    batches = np.array_split(every, math.ceil(every.shape[1] / BATCH), axis=1)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        values = np.stack([*pool.map(at, [first, second, *mixed])], axis=1)
+        values = np.concatenate([*pool.map(at, batches)], axis=1)
+    values = values.reshape(len(outputs), inputs + 2, samples)
 
     def indices(chosen: slice) -> Array:
         """Return first-order and total indices from some points of each sample, shape (2, outputs,
