@@ -175,6 +175,16 @@ def test_a_wire_of_a_row_is_pressed_on_by_its_belt() -> None:
     assert {each.law for each in run.contacts if each.obstacle == "workpart"} == {"compliant"}
 
 
+def test_a_foot_that_stops_within_rounding_sticks() -> None:
+    """Its slip of 8e-13 m/s ends in 3e-19 s, less than the rounding of 4.6 ms."""
+    row = {"bristles": 2, "pitch": math.radians(45.420981826242766), "hub_turn": 1.0}
+    row |= {"neighbour_friction": 0.2, "neighbour_restitution": 0.5}
+    tool = timed(0.00020292782842972338, 0.5065475194192931, 0.8, 0.3)
+    tool = replace(tool, belt=bs.Belt(damping_ratio=0.05))
+    for run in simulate_row_reference(tool, accuracy=1e-9, **row):
+        assert run.stop_reason is bs.StopReason.END
+
+
 def test_beside_a_bar() -> None:
     """A bar 0.3 mm beside the wire is met 9.4 us after the touch, while the spring acts."""
     full = bs.simulate(timed(1e-3))

@@ -66,7 +66,7 @@ def decide(system: System, state: State, new: Point | None = None) -> State:
         touch = instant.touch(each.point)
         if isinstance(each, Compliant):
             if each.law.compliance:
-                _set_foot(each, touch)
+                _set_foot(each, touch, system.slip_rounding(state))
         elif abs(touch.velocity[0]) > still:
             continue
         elif each in begun:
@@ -155,16 +155,17 @@ def _impact(
     return hit, response
 
 
-def _set_foot(each: Compliant, touch: Touch) -> None:
+def _set_foot(each: Compliant, touch: Touch, rounding: float) -> None:
     """Determine the sense in which a tangential spring's foot slides, or let it stick.
 
-    If the foot sticks, it is moved so that the force lies within the friction cone.
+    If the foot sticks, it is moved so that the force lies within the friction cone. ``rounding`` is
+    the rounding error of a slip velocity, m/s.
     """
     mu = each.friction
     most = mu * max(each.force(touch.gap), 0.0)
     pull = min(max(each.rub(touch) or 0.0, -most), most)
     sense = int(-np.sign(pull) or np.sign(touch.velocity[1]))
-    if not mu or (abs(pull) >= (1.0 - EDGE) * most and each.foot(touch, sense) > 0.0):
+    if not mu or (abs(pull) >= (1.0 - EDGE) * most and each.foot(touch, sense) > rounding):
         each.slip = sense or 1
     else:
         each.anchor = each.law.foot(touch.along, pull)

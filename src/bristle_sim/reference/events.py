@@ -266,7 +266,7 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
 
     event = Event(cone, -1, force, partial(decide, system))
     if slip:  # slip after stick starts from a velocity that is rounding, of either sign
-        event = event._replace(value=sliding, resolution=1e-3 * system.still(instant.state))
+        event = event._replace(value=sliding, resolution=system.slip_rounding(instant.state))
     return event.ahead(instant)
 
 

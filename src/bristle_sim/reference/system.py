@@ -77,6 +77,10 @@ class System:
         rates = (self.chain.speed, float(np.abs(state.rates).max()), self.fastest * 1e-3)
         return REST * self.size * max(rates)
 
+    def slip_rounding(self, state: State) -> float:
+        """Return the rounding error of a slip velocity, m/s."""
+        return 1e-3 * self.still(state)
+
     def rate_rounding(self, state: State) -> float:
         """Return the rounding error of a link's rate, rad/s.
 
