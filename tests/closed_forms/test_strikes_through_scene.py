@@ -181,3 +181,12 @@ def test_a_bristle_at_rest_on_a_turning_hub_has_no_rebound_ratio() -> None:
     judged = {row.name: row.ok for row in report.quantities}
     assert judged.pop("rebound_ratio") is None
     assert all(judged.values()), report.quantities
+
+
+def test_a_rod_that_stays_has_the_rate_zero():
+    """mu > tan(gamma): the rate after the impact is 0, neither rounding error nor -0."""
+    report = single_pendulum(
+        SinglePendulum(impact_angle_deg=10.0), Surface(friction=1.0), Contact(), Settings()
+    )
+    assert str(report.quantities[0].simulated) == "0.0"
+    assert "turns at 0 rad/s" in report.answer

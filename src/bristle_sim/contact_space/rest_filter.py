@@ -62,7 +62,7 @@ class RestFilter:
         self._bodies = room_for_bodies()
 
     def end(self) -> None:
-        """End a step of the engine."""
+        """Release the memory that a step of the engine needs."""
         self._bodies = None
 
     def clear(self) -> None:

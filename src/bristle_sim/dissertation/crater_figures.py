@@ -125,9 +125,10 @@ def width_figure() -> Redrawn:
 
 
 def plies_figure() -> Redrawn:
-    """Return figure 4.13: crater depth over the number of plies, by exact and by rounded angles.
+    """Return figure 4.13: crater depth against the number of plies, the time steps of the
+    compression.
 
-    Plies are equal time steps of the compression.
+    One curve has the exact angles of Merchant's circle, the other the rounded angles in print.
     """
     rounded = partial(_depth, "plies", {"angles": PRINTED_ANGLES})
     printed = [_printed_sum(plies=int(n)) for n in FEW_PLIES]

@@ -162,13 +162,13 @@ class TipDrawing:
 
 
 class ImpactFilm(Film):
-    """Film of an impact that the compliant law of contact resolves in time.
+    """Film of an impact whose contact has a finite duration, by the compliant law.
 
     :func:`bristle_sim.studies.timed_contact.with_visible_contact` returns impacts that can be
     filmed.
 
     Raises:
-        ValueError: if no contact is resolved in time.
+        ValueError: if the impact is instantaneous.
     """
 
     size = (960, 540)

@@ -39,7 +39,7 @@ class Phase(NamedTuple):
 
 
 def story_end(trajectory: Trajectory) -> float:
-    """Return the last time of a pass that pictures show, s.
+    """Return the time at which pictures of a pass end, s.
 
     It is shortly after the tip last touches the workpart, or the end of the run if there is no
     strike.

@@ -121,14 +121,15 @@ def cue_timing(
     """Simulate a release from rest, place the bar by it, and compare with the cue formulas, for
     each belt stiffness.
 
-    The belt stiffnesses are the tool's, the printed "0.00041 N m/rad" taken per radian and per
-    degree, and the stiffness at which the bristle swings at the filmed 254 Hz.
+    There are four belt stiffnesses: that of the tool; the printed 0.00041, read in N m per radian;
+    the same number, read in N m per degree; and the stiffness at which the bristle swings at the
+    filmed 254 Hz. Whole passes with a bar are simulated too.
 
     Args:
         tool: the tool.
         retraction: retraction at the release, rad.
         settings: accuracy and limits of the simulations.
-        bar: bar of the whole passes that are simulated in addition; the tool's bar by default.
+        bar: bar of the whole passes; the tool's bar by default.
         with_reference: whether to solve the release by the independent reference too.
 
     Returns:

@@ -84,7 +84,7 @@ class Question:
 
     @property
     def conditions(self) -> dict[str, float]:
-        """The wanted values and the upper limits, by quantity."""
+        """Wanted value or upper limit of each quantity that has one."""
         return self.want | self.at_most
 
     def keys_at(self, fractions: Array) -> dict[str, Array]:

@@ -70,10 +70,11 @@ class FlexibleStrike:
     """A strike of a wire's end on a contact of given stiffness.
 
     Attributes:
-        tool: tool whose workpart is at the end of the wire at ``impact_angle``.
+        tool: tool whose workpart touches the end of the radial wire at ``impact_angle``.
         impact_angle: angle between the radial wire and the workpart's normal, rad.
         rate: angular velocity of all links before the strike, rad/s.
-        contact: stiffness of the contact, given as the duration of the rigid bristle's contact.
+        contact: time, s, that the contact would last if the wire were rigid; it determines the
+            stiffness of the contact.
         settings: accuracy and limits of the simulation.
     """
 

@@ -133,9 +133,9 @@ def _one_rod(
     """Compare the impact of one rod with the closed form of the bristle.
 
     Args:
-        impacts: the impact, by every contact law.
+        impacts: the impact as each contact law resolves it.
         settings: the requested accuracy.
-        motion: hub radius, m, hub speed, rad/s, and rate of the rod over the hub speed.
+        motion: hub radius in m, hub speed in rad/s, and ratio of the rod's rate to the hub speed.
         labels: label and unit of the quantities, by name.
     """
     chain = impacts.chain
@@ -235,9 +235,9 @@ def _compared(
     """
 
     def rounded(values: Values) -> Values:
-        """Return the values, of which those of negligible magnitude are 0."""
+        """Return the values, of which those of negligible magnitude are 0, without a sign."""
         return {
-            name: value and value * (abs(value) > least.get(name, 0.0))
+            name: value and value * (abs(value) > least.get(name, 0.0)) + 0.0
             for name, value in values.items()
         }
 
@@ -297,7 +297,10 @@ def _report(
         if elastic
         else agreement(quantities)
     )
-    motion = f"the {turning} then turns at {amount(sign * one.rates_after[-1], 'rad/s')}"
+    rate = sign * one.rates_after[-1]
+    if abs(rate) <= AT_REST * max(map(abs, one.rates_before)):
+        rate = 0.0
+    motion = f"the {turning} then turns at {amount(rate, 'rad/s')}"
     answer = f"The tip {one.outcome_in_words}, with {impulse}; {motion}, and {known}."
     remarks = [f"{law}: {reason}" for law, reason in impacts.refusals.items()]
     if elastic:

@@ -176,8 +176,10 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
-    """Return the errors of the impact law at the first strike; empty if the law does not apply
-    there.
+    """Return by how much the first strike of a run violates its impact law, by the name of each
+    error.
+
+    The dictionary is empty if the law does not apply to the strike.
     """
     strike = run.first_contact("workpart")
     part = tool.workpart

@@ -140,7 +140,7 @@ class Results:
         return found
 
     def _add(self, new: Shapes) -> None:
-        """Add arrays of NaN for results that the earlier points did not have."""
+        """Add arrays for new results, with NaN at the points that were computed before."""
         for name in new:
             if name in {*self.grid.coords, *self.grid.sizes}:
                 raise ValueError(

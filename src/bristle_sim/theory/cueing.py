@@ -219,8 +219,8 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
 
     ``time`` is the time since the release, s; ``retraction`` is theta_p, the retraction at release,
     rad. The centrifugal stiffness is neglected. The retraction is theta_p e^(-zeta Omega t) (cosh w
-    t + zeta Omega/w sinh w t), w = Omega sqrt(zeta^2 - 1), with the natural rate Omega and the
-    damping ratio zeta.
+    t + zeta Omega/w sinh w t), w = Omega sqrt(zeta^2 - 1), with the natural angular
+    frequency Omega and the damping ratio zeta.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     decay = tool.belt.damping_ratio * rate

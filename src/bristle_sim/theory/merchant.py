@@ -107,7 +107,7 @@ def oblique_angles(
     Args:
         friction: ratio mu > 0 of tangential to normal force on the workpart.
         impact_angle: angle gamma of the path to the surface, 0 <= gamma < pi/2, rad.
-        check: whether the shear plane must emerge from the surface.
+        check: whether to raise an error where the shear plane would not emerge from the surface.
 
     Raises:
         ShearAngleError: where eta < gamma, that is mu < tan(gamma) (4.42), if ``check`` is set.

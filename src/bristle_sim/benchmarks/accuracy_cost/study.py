@@ -103,14 +103,14 @@ class AccuracyCost:
 
 
 class Comparison(NamedTuple):
-    """The cheapest points of one case that meet a target error.
+    """The cheapest measurements of one case, ours and another package's, that meet a target error.
 
     Attributes:
         case: name of the case.
         target: target error.
-        ours: cheapest point of this project's methods that integrate in time; None if no method
+        ours: the cheapest of this project's methods that integrate in time; None if no method
             meets the target.
-        peer: cheapest point of all other packages; None if no package meets the target.
+        peer: the cheapest method of all other packages; None if none meets the target.
     """
 
     case: str

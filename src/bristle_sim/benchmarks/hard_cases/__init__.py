@@ -27,7 +27,7 @@ THEMES = (
 
 @dataclass(frozen=True, slots=True)
 class HardCaseChoice(Declared):
-    """The choice of hard cases to try."""
+    """Choice of the theme whose numerically hard cases are run; by default all themes."""
 
     theme: str = choice(
         "theme: kind of hard case that is tried [chosen: every theme]", "all", *THEMES
