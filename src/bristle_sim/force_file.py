@@ -57,8 +57,8 @@ class ForceRecord(NamedTuple):
     """A force history read from a file.
 
     Attributes:
-        time: increasing times, s, as in the file, shape (n,).
-        force: forces, N, shape (n,).
+        time: increasing times (s) as in the file, shape (n,).
+        force: forces (N), shape (n,).
         reading: sentence that names the columns and units that were read.
     """
 

@@ -164,7 +164,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _size(text: str) -> dict[str, int]:
-    """Return ``width`` and ``height``, px, of a picture from a text such as 1280x720."""
+    """Return ``width`` and ``height`` (px) of a picture from a text such as 1280x720."""
     found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if found is None:
         raise argparse.ArgumentTypeError(

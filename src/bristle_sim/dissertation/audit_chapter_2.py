@@ -160,7 +160,7 @@ def pass_figures() -> Figures:
 
 
 def resultant_impulse(friction: float) -> float:
-    """Return the resultant compressive impulse, N s, at an impact angle of 23.4 deg (eq. 3.1).
+    """Return the resultant compressive impulse (N s) at an impact angle of 23.4 deg (eq. 3.1).
 
     It is p_c = sqrt(p_cx^2 + p_cy^2).
     """

@@ -74,7 +74,7 @@ follow the name and the values of the quantity that varies from curve to curve."
 def map_figure() -> Redrawn:
     """Return figure 4.2: force and motion during compression, as printed and as simulated.
 
-    The simulated contact begins with the speed of the operating point.
+    The simulated contact begins with the speed at which the dissertation's bristle strikes.
     """
     k = PRINTED_KINEMATICS
     contact = bristle_contact(impulse=False)
@@ -235,18 +235,18 @@ def _over_time(
 
 
 def _depth(along: str, given: dict[str, Any], x: Any) -> Any:
-    """Return the crater depth, m, at values ``x`` of the argument ``along`` of its formula."""
+    """Return the crater depth (m) at values ``x`` of the argument ``along`` of its formula."""
     return merchant_crater_depth(**given, **{along: x})
 
 
 def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float:
-    """Return the crater depth, m, by the printed sum (4.57)."""
+    """Return the crater depth (m) by the printed sum (4.57)."""
     crater = dataclasses.replace(OWN, impact_angle_deg=math.degrees(impact_angle), **changes)
     return merchant_sum(crater)
 
 
 def merchant_sum(crater: Crater) -> float:
-    """Return the crater depth, m, by Merchant's relation as printed (4.57).
+    """Return the crater depth (m) by Merchant's relation as printed (4.57).
 
     It is the sum over plies, the layers of the chip that are cut in equal time steps. The product
     of sine and cosine of the shear angle of least work is written as a difference.
@@ -259,7 +259,7 @@ def merchant_sum(crater: Crater) -> float:
 
 
 def _energy_sum(plies: int) -> float:
-    """Return the crater depth, m, by work and energy (4.58, 4.62-4.65), with the energy of the
+    """Return the crater depth (m) by work and energy (4.58, 4.62-4.65), with the energy of the
     printed motion (4.6, 4.7).
     """
     time = np.linspace(0.0, COMPRESSION_TIME, plies + 1)

@@ -128,7 +128,7 @@ def _curve(
 ) -> Curve:
     """Return the curve of a quantity over x by the closed form, with points of simulated impacts.
 
-    The quantity is the normal final impulse, N s, or the rate of a rod after the impact, rad/s. A
+    The quantity is the normal final impulse (N s) or the rate of a rod after the impact (rad/s). A
     rate is negative in the direction of approach.
     """
 

@@ -137,7 +137,7 @@ class Blasting(Declared):
                 self.check_crater(key, size)
 
     def check_crater(self, key: str, size: float) -> None:
-        """Check that a crater's length or width, m, is at least two cells and fits on the ground.
+        """Check that a crater's length or width (m) is at least two cells and fits on the ground.
 
         Args:
             key: ``crater_length`` or ``crater_width``.

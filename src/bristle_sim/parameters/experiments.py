@@ -20,7 +20,7 @@ def speed_ratio_at_strike() -> Any:
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GAMMA) -> Any:
-    """Declare the field for the impact angle gamma, deg, with its source, largest value and
+    """Declare the field for the impact angle gamma (deg) with its source, largest value and
     meaning.
     """
     return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg: {meaning} [{source}]")

@@ -76,7 +76,7 @@ class Belt(Declared):
 
 
 def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
-    """Return the mass of a wire, kg, from its length, m, diameter, m, and density, kg/m^3.
+    """Return the mass of a wire (kg) from its length (m), diameter (m) and density (kg/m^3).
 
     It is computed as the printed mass times ratios, so that the printed wire has exactly the
     printed mass.
@@ -176,12 +176,12 @@ class Bristle(Declared):
 
     @property
     def tip(self) -> Vector:
-        """Tip of the wire, m, in the axes of ``path``: root at the origin, shank along (0, -1)."""
+        """Tip of the wire (m) in the axes of ``path``: root at the origin, shank along (0, -1)."""
         return self.path[-1]
 
     @property
     def centre(self) -> Vector:
-        """Centre of mass, m, in the axes of ``path``: root at the origin, shank along (0, -1)."""
+        """Centre of mass (m) in the axes of ``path``: root at the origin, shank along (0, -1)."""
         if self.knee_angle_deg == 0.0:
             return (0.0, -0.5 * self.length)
         (x, y), (u, v), rest = *self.path, 1.0 - self.knee_position
@@ -217,7 +217,7 @@ class Bristle(Declared):
 
 
 def _bar_radius() -> float:
-    """Return the radius, m, with which a bar at the printed position touches the tip of a wire at
+    """Return the radius (m) with which a bar at the printed position touches the tip of a wire at
     the printed retraction.
     """
     hub_radius = 0.0275

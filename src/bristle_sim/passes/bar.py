@@ -30,7 +30,7 @@ def half_turn(angle: Array) -> Array:
 
 
 def half_window(radius: Array, distance: Array, square: Array) -> Array:
-    """Return the largest hub angle |chi| from the bar's direction, rad, at which D^2 is at most
+    """Return the largest hub angle |chi| from the bar's direction (rad) at which D^2 is at most
     ``square``.
 
     The wire reaches the bar where D <= 1 + R, and with its flank rather than its end where D^2 <= 1
@@ -49,7 +49,7 @@ def flank_window(passes: Passes) -> Array:
 
 
 def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
-    """Return the hub angle chi from the bar's direction, rad, at which an undeflected wire first
+    """Return the hub angle chi from the bar's direction (rad) at which an undeflected wire first
     touches the bar.
 
     All lengths are divided by the bristle's length: the hub's radius rho is ``radius``, the distance

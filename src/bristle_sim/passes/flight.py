@@ -86,7 +86,7 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
 
 
 def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chosen]:
-    """Return the length of each pass's step, rad, and the indices of the passes near the bar.
+    """Return the length of each pass's step (rad) and the indices of the passes near the bar.
 
     A step ends at the latest with the pass, or where the wire begins to reach the bar. Near the bar
     a step is so short that the gap has at most one minimum in each segment of the step.
@@ -157,7 +157,7 @@ def first_closing(
         leaving: whether the wire has just left the obstacle, so that the gap begins at zero.
 
     Returns:
-        The turn of the hub up to the touch, rad, infinite without a touch. The smallest minimum of
+        The turn of the hub up to the touch (rad), infinite without a touch. The smallest minimum of
         the gap before it, over the bristle's length, infinite without a minimum.
     """
 
@@ -202,7 +202,7 @@ def first_closing(
 
 
 def _closing(gap_of: Motion, number: Chosen, segment: Array, begins: Chosen) -> Array:
-    """Return the turn of the hub, rad, at which each gap closes within its segment.
+    """Return the turn of the hub (rad) at which each gap closes within its segment.
 
     Newton's method starts from inverse cubic interpolation of the gaps and their rates at the ends.
     A gap that begins at zero is divided by the turn, so that only its next zero remains.
@@ -229,7 +229,7 @@ def _closing(gap_of: Motion, number: Chosen, segment: Array, begins: Chosen) -> 
 
 
 def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
-    """Return the turn of the hub, rad, at which each gap or angle is smallest within its segment.
+    """Return the turn of the hub (rad) at which each gap or angle is smallest within its segment.
 
     The minimum is a zero of its rate. The search starts at the minimum of the cubic through the
     values and rates at the ends.

@@ -186,7 +186,7 @@ def course_of(passes: Passes) -> Course:
 
 
 def step_length(passes: Passes, course: Course, tolerance: float) -> Array:
-    """Return the longest step of each pass, rad, at which the last two terms of the rate's series
+    """Return the longest step of each pass (rad) at which the last two terms of the rate's series
     are within the tolerance.
 
     The tolerance is relative to the scale of the bristle's rates.

@@ -63,7 +63,7 @@ class Ensemble(EqualByValue):
         tangential_compressive_work: work of the tangential force up to the end of compression, J.
         entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
         final_bristle_rate: angular velocity of the wire after the strike, rad/s.
-        error_estimate: estimated error at the strike of the wire's angle, rad, and of its relative
+        error_estimate: estimated error at the strike of the wire's angle (rad) and of its relative
         rate over omega + sqrt(k_T/I). It includes the factor by which the impact magnifies an
         error. It is 1 if an error as small as the accuracy could alter the number of touches or the
         outcome.

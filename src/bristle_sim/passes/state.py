@@ -53,7 +53,7 @@ class Passes:
         release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
             NaN before the first contact.
         lowest: least relative angle so far, rad.
-        error: estimated error of the relative angle, rad, and of the rate over ``rate_scale``.
+        error: estimated error of the relative angle (rad) and of the rate over ``rate_scale``.
     """
 
     number: Array

@@ -43,10 +43,10 @@ class Touch(NamedTuple):
 
     Attributes:
         gap: gap between wire and obstacle, m.
-        rows: derivatives of the contact velocity with respect to the rates of the links, m, shape
+        rows: derivatives of the contact velocity with respect to the rates of the links (m), shape
             (2, links).
-        velocity: velocity of the wire's surface at the contact, m/s, shape (2,).
-        bias: acceleration of the contact while the rates of the links are constant, m/s^2, shape
+        velocity: velocity of the wire's surface at the contact (m/s), shape (2,).
+        bias: acceleration of the contact while the rates of the links are constant (m/s^2), shape
             (2,).
         along: position of the contact along a flat surface, m.
     """
@@ -108,7 +108,7 @@ class Bar:
     def feet(self, chain: Chain, motion: Kinematics) -> Array:
         """Return where the perpendicular from the bar's centre meets each piece's line.
 
-        It is the distance from the start of the piece, m, shape (..., pieces), and may be beyond
+        It is the distance from the start of the piece (m), shape (..., pieces), and may be beyond
         the piece.
         """
         pieces = chain.pieces
@@ -117,7 +117,7 @@ class Bar:
         return np.asarray((np.conj(along) * (self.centre - origins)).real)
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap between the bar and every straight piece, m, shape (..., pieces)."""
+        """Return the gap between the bar and every straight piece (m), shape (..., pieces)."""
         links, starts, directions, lengths = chain.pieces
         feet = np.minimum(np.maximum(self.feet(chain, motion), 0.0), lengths)
         nearest, _ = chain.points(motion, links, starts + feet * directions)
@@ -149,7 +149,7 @@ class Workpart:
     compliance: float = 0.0  # ratio of the normal to the tangential contact stiffness
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the height of each piece's end above the surface, m, shape (..., pieces).
+        """Return the height of each piece's end above the surface (m), shape (..., pieces).
 
         It is infinite for an end that is neither a tip nor a knee.
         """

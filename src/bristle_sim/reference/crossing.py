@@ -60,7 +60,7 @@ def crossings(
         values: values at the times of ``nodes``, if they are known already.
 
     Returns:
-        Pairs of the time, s, and +1 for a change to positive or -1 for a change to negative.
+        Pairs of the time (s) and +1 for a change to positive or -1 for a change to negative.
     """
     edges = {start, end}
     pieces = [(start, end)]
@@ -136,7 +136,7 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
     the step are left out.
 
     Returns:
-        The time of the event, s, and the function that applies its consequence. Without an event
+        The time of the event (s) and the function that applies its consequence. Without an event
         they are the end of the step and None.
     """
     chain = step.system.chain

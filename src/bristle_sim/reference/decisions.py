@@ -143,7 +143,7 @@ def _impact(
 ) -> tuple[Impact, Array]:
     """Return an impact by the energetic law, and its effect on the rates of all links.
 
-    The second result is the change of the rates, rad/s, per unit normal and per unit tangential
+    The second result is the change of the rates (rad/s) per unit normal and per unit tangential
     impulse, shape (links, 2).
     """
     response = solve(instant.mass, touch.rows.T)

@@ -271,7 +271,7 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
 
 
 def _place_events(system: System, instant: Instant, each: Sustained) -> list[Event]:
-    """Return the events at which a contact with the bar passes from flank to corner or back."""
+    """Return the events at which a contact moves between the wire's flank and its corner."""
     name, index, corner = each.point
     length = float(system.chain.pieces.lengths[index])
     past = PAST * system.chain.length

@@ -139,7 +139,7 @@ class Log:
 
     ``interval`` is the time between samples, s. ``pairs`` holds the indices of the two wires of
     each pair that can touch. A sample is a state with the sum of the normal and the sum of the
-    tangential contact forces on each wire, N, shape (wires, 2).
+    tangential contact forces on each wire (N), shape (wires, 2).
     """
 
     def __init__(

@@ -84,11 +84,11 @@ class Chain:
 
     Attributes:
         wires, links: number of wires, and number of links of all wires.
-        start_hub_angles: hub angle at the start, rad, of each link's wire.
+        start_hub_angles: hub angle at the start (rad) of each link's wire.
         pieces: straight pieces of the centre lines.
         middles: vector from the link's first joint to the middle of each piece, m.
         ends: vector from the first joint to the end of each link, m.
-        arms: matrix of the vectors a_ij of the module's docstring, m, shape (pieces, links).
+        arms: matrix of the vectors a_ij of the module's docstring (m), shape (pieces, links).
         masses, inertias: mass of each piece, kg, and its moment of inertia about its middle, kg m^2.
         before: matrix with a 1 in row k and column i if link k is before link i on its wire.
         first: array with a 1 for each link that begins a wire.
@@ -144,7 +144,7 @@ class Chain:
         self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 
     def hub_angles(self, time: Any) -> Array:
-        """Return the hub angle of each link's wire, rad, shape (..., links)."""
+        """Return the hub angle of each link's wire (rad), shape (..., links)."""
         return np.asarray(np.add.outer(self.speed * time, self.start_hub_angles))
 
     def mass_matrix(self, turn: Complexes) -> Array:
@@ -196,9 +196,9 @@ class Chain:
         return np.asarray(row)
 
     def points(self, motion: Kinematics, links: Any, arms: Any) -> tuple[Any, Any]:
-        """Return the positions, m, and velocities, m/s, of points that are fixed on links.
+        """Return the positions (m) and velocities (m/s) of points that are fixed on links.
 
-        ``arms`` are the vectors from the links' first joints to the points, m, at angle 0.
+        ``arms`` are the vectors from the links' first joints to the points (m) at angle 0.
         """
         turned = arms * motion.turn[..., links]
         return (
@@ -207,7 +207,7 @@ class Chain:
         )
 
     def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
-        """Return the corners of a single wire's centre line, m, and their velocities, m/s.
+        """Return the corners of a single wire's centre line (m) and their velocities (m/s).
 
         The corners are the root and the end of every straight piece, shape (..., pieces + 1).
         """

@@ -90,14 +90,14 @@ def simulate_reference(
         start_relative_rate: rate of this angle at the start, rad/s.
         hub_turn: angle by which the hub turns in the run, rad. On a resting hub the run lasts three
             natural periods of the bristle.
-        duration: duration of the run, s, in place of ``hub_turn``.
+        duration: duration of the run (s) in place of ``hub_turn``.
         accuracy: relative accuracy of the motion. The integrator's tolerance is a hundredth of it,
             but at least 1e-13.
         stop_after: event that ends the run, as for the scene's ``simulate``. A touch ends the run
             just after the impact, or at the end of a contact that is resolved in time.
         sample_interval: time between samples, s; by default 1/64 of a natural period or of a hub
             turn, whichever is shorter.
-        contact_stiffness: stiffness of the contact with the workpart, N/m, a spring with energetic
+        contact_stiffness: stiffness of the contact with the workpart (N/m), a spring with energetic
             restitution. By default it follows from the duration of the first contact in the tool's
             contact law; without a duration the contact is rigid.
 

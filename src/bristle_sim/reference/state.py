@@ -15,7 +15,7 @@ from bristle_sim.theory.contact_spring import ContactSpring
 
 
 class State(NamedTuple):
-    """The state of all links: time, s, absolute angles, rad, and absolute rates, rad/s."""
+    """The state of all links: time (s), absolute angles (rad) and absolute rates (rad/s)."""
 
     time: float
     angles: Array
@@ -32,7 +32,7 @@ class Sustained:
         since: state at the start of the contact.
         velocity_before: (normal, tangential) contact velocity at the start, m/s.
         slip: sense of the slip; 0 in stick.
-        sums: normal and tangential impulse, N s, and normal and tangential work, J, so far.
+        sums: normal and tangential impulse (N s) and normal and tangential work (J) so far.
         compression: impulses and works, as in ``sums``, at the end of compression; None before it,
             and for a contact without compression.
     """
@@ -84,7 +84,7 @@ class Compliant(Sustained):
         return Acting(touch, self.friction, self.slip, self.force(touch.gap), self.rub(touch))
 
     def force(self, gap: float) -> float:
-        """Return the normal force, N, at a gap, m, measured from the undented surface."""
+        """Return the normal force (N) at a gap (m), measured from the undented surface."""
         return self.law.normal_force(self.level - gap, None if self.loading else self.deepest)
 
     def rub(self, touch: Touch) -> float | None:

@@ -28,8 +28,8 @@ REST = 1e-10  # largest velocity that counts as rest, over the bound of all velo
 class System:
     """One or several wires with their obstacles by name, their sustained contacts and their log.
 
-    Contacts with the workpart are compliant if a stiffness, N/m, or a duration of the first
-    contact, s, is given. From the duration the stiffness is computed when a wire first touches the
+    Contacts with the workpart are compliant if a stiffness (N/m) or a duration of the first
+    contact (s) is given. From the duration the stiffness is computed when a wire first touches the
     workpart. All other contacts are rigid.
     """
 

@@ -131,7 +131,7 @@ LEAST = {
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
-    """Return the angles between neighbouring bristles, deg, at which the strike is simulated.
+    """Return the angles between neighbouring bristles (deg) at which the strike is simulated.
 
     They extend from closely spaced bristles to beyond the least pitch without a touch in the whole
     pass.

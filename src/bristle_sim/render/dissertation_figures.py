@@ -31,7 +31,7 @@ from bristle_sim.render.style import (
 
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
-"""Width and height, cm, of a panel with its scales: on a page of several panels, and alone."""
+"""Width and height (cm) of a panel with its scales: on a page of several panels, and alone."""
 
 PANEL = (1.7, 1.2, 2.15, 1.7)
 """Left and lower edge of a panel within its cell, cm, and the width and height, cm, by which the cell
@@ -39,7 +39,7 @@ is larger than the panel."""
 
 FOOT = 1.0
 HEAD = 1.2
-"""Heights, cm, of the legend of points, and of a page's title and note."""
+"""Heights (cm) of the legend of points, and of a page's title and note."""
 
 NOTHING = 1e-12  # largest value, in the unit shown, that is rounding error of zero
 OPERATING_POINT: Look = {

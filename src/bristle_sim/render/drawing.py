@@ -163,7 +163,7 @@ def toward(angle: ArrayLike) -> Array:
 
 
 def touch_places(lines: Sequence[Array], diameter: float) -> Array:
-    """Return the points where neighbouring wires touch, from the hub's centre, mm, shape (touches,
+    """Return the points where neighbouring wires touch, from the hub's centre (mm), shape (touches,
     2).
 
     Two wires touch if they are within 1.05 wire diameters, from centre line to centre line.

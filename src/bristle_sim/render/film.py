@@ -50,18 +50,18 @@ GIF_SAMPLES = 30
 class TimeWarp(NamedTuple):
     """Piecewise linear map between the time of a run and the time in its film.
 
-    ``film`` and ``physical`` are these times at common nodes, s, both ascending.
+    ``film`` and ``physical`` are these times at common nodes (s), both ascending.
     """
 
     film: Array
     physical: Array
 
     def physical_time(self, film_time: ArrayLike) -> Array:
-        """Return the time in the run, s, that is shown at a time in the film, s."""
+        """Return the time in the run (s) that is shown at a time in the film (s)."""
         return np.asarray(np.interp(np.asarray(film_time), self.film, self.physical))
 
     def film_time(self, physical_time: ArrayLike) -> Array:
-        """Return the time in the film, s, at which a time in the run, s, is shown."""
+        """Return the time in the film (s) at which a time in the run (s) is shown."""
         return np.asarray(np.interp(np.asarray(physical_time), self.physical, self.film))
 
     def slow_down_at(self, film_time: ArrayLike) -> Array:
@@ -84,7 +84,7 @@ def slow_motion(
     """Return the map from run time to film time for a film that slows down at chosen instants.
 
     The slow-down factor is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)). The t_i are
-    the instants ``focus``, s, and w = ``width`` (end - start). The factor s_0 makes the integral of
+    the instants ``focus`` (s) and w = ``width`` (end - start). The factor s_0 makes the integral of
     s over the run equal to the duration of the film.
 
     Args:
@@ -175,7 +175,7 @@ class Film(ABC):
 
     @abstractmethod
     def move(self, time: float) -> Sequence[str]:
-        """Move all parts to a time in the run, s, and return the caption and the read-outs as
+        """Move all parts to a time in the run (s) and return the caption and the read-outs as
         texts.
         """
 
@@ -191,7 +191,7 @@ class Film(ABC):
         self.texts = (caption, f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts)
 
     def frame(self, film_time: float) -> Image.Image:
-        """Return the picture at a time in the film, s.
+        """Return the picture at a time in the film (s).
 
         The still parts are drawn once, for the first frame.
         """

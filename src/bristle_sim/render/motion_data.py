@@ -167,7 +167,7 @@ def _states(motion: Motion | Trajectory) -> Array:
     """Return values and time derivatives of the quantities that the page interpolates, shape (2,
     instants, columns).
 
-    The columns are the time, ms, the corners of the centre line, mm, the retraction, degrees, and
+    The columns are the time (ms), the corners of the centre line (mm), the retraction (degrees) and
     the force, N. Derivatives are per ms; those of time and force are not used. Velocities need no
     conversion, since 1 m/s is 1 mm/ms.
     """

@@ -32,7 +32,7 @@ _SUSTAINED = {"bar": "held back by the bar", "workpart": "drags along the workpa
 
 
 class Phase(NamedTuple):
-    """A phase of a run: its start, s, and its caption; it lasts until the next phase starts."""
+    """A phase of a run: its start (s) and its caption; it lasts until the next phase starts."""
 
     start: float
     caption: str
@@ -75,7 +75,7 @@ def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, 
 def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ...]:
     """Return the phases of a run with their captions, in order of time, from the start of the run.
 
-    ``strike_shown`` is the time, s, for which an instantaneous strike keeps its caption.
+    ``strike_shown`` is the time (s) for which an instantaneous strike keeps its caption.
     """
     start = float(trajectory.time[0])
     events = _notable(trajectory)

@@ -79,7 +79,7 @@ def blank_figure(width_cm: float, height_cm: float) -> Figure:
 def axes_at(
     figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any
 ) -> Axes:
-    """Add axes at a position, cm, from the figure's lower left corner.
+    """Add axes at a position (cm) from the figure's lower left corner.
 
     ``options`` are those of ``Figure.add_axes``.
     """

@@ -66,7 +66,7 @@ def surface_figure(made: BlastedSurface) -> Figure:
 
 
 def _strike_times(made: BlastedSurface, strikes: ArrayLike) -> Array:
-    """Return the time under the belt, s, at which a number of strikes has fallen on the simulated
+    """Return the time under the belt (s) at which a number of strikes has fallen on the simulated
     area.
     """
     part = made.blasting.track_width / made.blasting.ground_width
@@ -79,7 +79,7 @@ def _colours(made: BlastedSurface) -> Normalize:
 
 
 def _lit(made: BlastedSurface, heights: Array, norm: Normalize, every: int = 1) -> Array:
-    """Return heights, m, as a picture, coloured by depth and lit from the left.
+    """Return heights (m) as a picture, coloured by depth and lit from the left.
 
     The picture has one in ``every`` cells along the slide.
     """

@@ -155,7 +155,7 @@ class WireFilm(Film):
 
 
 def _force(run: Any) -> tuple[Array, Array]:
-    """Return the times from the first touch, s, and the normal forces, N, of a run's contact."""
+    """Return the times from the first touch (s) and the normal forces (N) of a run's contact."""
     history = run.contact.history
     clock = history.time - history.time[0]
     time = np.linspace(0.0, clock[-1], GRID)

@@ -57,7 +57,7 @@ class Scene(EngineSpace):
         mechanism: the links and the hub's motion.
         effects: springs, damping, gravity and contacts.
         placed: state and drift of the last call of ``place``.
-        turned: whole revolutions, rad, that are subtracted from all angles in the engine.
+        turned: whole revolutions (rad) that are subtracted from all angles in the engine.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:

@@ -41,7 +41,7 @@ def end_contacts(
 ) -> tuple[ActiveContact, ...]:
     """Record the contacts in ``ending`` as ended, and return the other contacts.
 
-    ``released``: whether each of these ends is an event of the run, a release.
+    ``released``: whether the run also records a release for each contact that ends.
     """
     system.scene.keep_closed(())
     for contact in ending:

@@ -70,7 +70,7 @@ class CompliantLaw(ContactLaw):
         stiffness: stiffness of the spring in compression, engine units; None derives it from
             ``duration``. If it is given, ``duration`` is only an estimate.
         tangential_compliance: tangential compliance eta^2, dimensionless.
-        time_unit: unit of time of the scene, s, for messages.
+        time_unit: unit of time of the scene (s) for messages.
     """
 
     duration: float | None

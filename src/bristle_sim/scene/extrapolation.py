@@ -63,7 +63,7 @@ class IntervalResult(NamedTuple):
         accelerations: the links' angular accelerations at the interval's end.
         totals: the values of :class:`bristle_sim.scene.contact.Sums` of all contacts in one list;
             empty where the contact forces are unknown.
-        error: estimated error, the larger one of the error of angles, rad, and the error of rates,
+        error: estimated error, the larger one of the error of angles (rad) and the error of rates,
             rad per time unit; 0 without an estimate.
         failed: whether a contact would have had to pull; the rest of the result is then
             meaningless.

@@ -185,7 +185,7 @@ class Mechanism:
 
         Args:
             time: times, shape (n,).
-            angles: angles of the links, rad, shape (n, links).
+            angles: angles of the links (rad), shape (n, links).
             rates: rates of the links, shape (n, links).
 
         Returns:

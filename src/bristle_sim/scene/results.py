@@ -88,13 +88,13 @@ def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, A
 def _events(
     recording: Recording, scene: Scene, wire: int, lags: tuple[Array, Array], units: Units
 ) -> tuple[Event, ...]:
-    """Return a wire's events, with at most one largest retraction.
+    """Return a wire's events, with at most one of the recorded maxima of its retraction.
 
     ``lags`` holds the times and the retractions of the samples.
 
-    Several extremes of the retraction may have been recorded. The largest one up to the strike is
-    kept, or the largest one of the run if the wire does not strike. It is dropped if the retraction
-    is larger at the start or at the end of this period. An extreme that stops the run is kept in
+    The period considered ends with the strike, or with the run if the wire does not strike. The
+    largest maximum in this period is kept, unless the retraction is larger at the period's start or
+    end. An extreme that stops the run is kept in
     any case. The absence of a contact with bar or workpart is added as an event at the end of the
     run.
     """

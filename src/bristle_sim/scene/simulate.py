@@ -205,8 +205,8 @@ def prepare(
 
     Args:
         tool, settings, stop_after: as for ``simulate``.
-        begin: angle of the hub, rad, or None for the tool's own start; then angle, rad, and angular
-            velocity, rad/s, of every wire relative to its root.
+        begin: angle of the hub (rad) or None for the tool's own start; then angle (rad) and angular
+            velocity (rad/s) of every wire relative to its root.
         row: number, pitch and contact parameters of the bristles.
 
     Returns:

@@ -32,12 +32,12 @@ NO_SLIP_TO_STOP = 1e-14
 tip moves along the normal and has no slip to stop."""
 
 NO_GRIP = 0.1
-"""Angle, rad, between a link and the direction in which K_tt = 0, over the contact's duration in
+"""Angle (rad) between a link and the direction in which K_tt = 0, over the contact's duration in
 scene units. At smaller angles the tip cannot stick: K_tt, the tangential inverse mass, changes by
 more than its own value in one interval, and no force within the friction cone stops the slip."""
 
 MOST_TURN = 1e-3
-"""Largest angle, rad, at which ``NO_GRIP`` rules out stick, however long the contact lasts."""
+"""Largest angle (rad) at which ``NO_GRIP`` rules out stick, however long the contact lasts."""
 
 # largest distance of a force from the edge of the friction cone, over the friction limit, at which
 # the force counts as on the edge

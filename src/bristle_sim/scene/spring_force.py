@@ -114,7 +114,10 @@ class ContactLoad:
         self._parts += [SpringForce(scene, spring) for spring in springs]
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset impulses and work; return the callback to run before each step."""
+        """Set impulses and work to zero, and return the function that applies the forces.
+
+        The integrator calls this function before each time step of the length ``step``.
+        """
         begun = [each.begin(step) for each in self._parts]
         calls = [call for call in begun if call is not None]
         if len(calls) == 1:

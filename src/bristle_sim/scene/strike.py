@@ -37,7 +37,7 @@ class Chain:
     from the direction that points at the surface.
 
     Attributes:
-        masses: masses of the rods, kg, in order from the root.
+        masses: masses of the rods (kg) in order from the root.
         lengths: lengths of the rods, m.
         angles: angles of the rods, rad.
         rates: angular velocities of the rods, rad/s.
@@ -62,9 +62,9 @@ class ChainStrike:
     Attributes:
         contact: the contact record, with its history if it is simulated over its duration.
         time: times of the samples, s.
-        angles: absolute angles of the links, rad, shape (samples, links).
+        angles: absolute angles of the links (rad), shape (samples, links).
         centre_line: positions of root, knee, joints and tip at each sample, (x, y) from the hub's
-            centre, m, shape (samples, corners, 2).
+            centre (m), shape (samples, corners, 2).
         kinetic_energy: kinetic energy at each sample, J.
         steps: number of engine steps.
         wall_s: wall time, s.
@@ -278,7 +278,7 @@ proportional to it."""
 
 
 def wire_frequencies(tool: Tool) -> Array:
-    """Return the natural frequencies of a tool's undamped wire on a hub at rest, Hz, in ascending
+    """Return the natural frequencies of a tool's undamped wire on a hub at rest (Hz) in ascending
     order, shape (links,).
 
     They follow from the eigenvalues of M^-1 K, with the mass matrix M and the stiffness matrix K of

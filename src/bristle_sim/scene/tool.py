@@ -23,7 +23,7 @@ from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pai
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
 SLOWEST_MOTION = 1e-100
-"""Smallest rate, rad/s, from which the unit of time is derived. With a smaller one the unit of
+"""Smallest rate (rad/s) from which the unit of time is derived. With a smaller one the unit of
 energy would be too small for a floating-point number."""
 
 SHORTEST_PIECE = 1e-12
@@ -47,7 +47,7 @@ class Units:
     """
 
     def __init__(self, length: float, mass: float, time: float) -> None:
-        """Derive all units from the units of length, m, mass, kg, and time, s."""
+        """Derive all units from the units of length (m), mass (kg) and time (s)."""
         self.length = length
         self.mass = mass
         self.time = time

@@ -27,7 +27,7 @@ from bristle_sim.theory import cueing
 
 Measures = Mapping[str, float]
 Strikes = Callable[[Array], Mapping[str, NDArray[Any]]]
-"""Function of directions of the bar, rad, that returns the measures of the strikes; without a cued
+"""Function of directions of the bar (rad) that returns the measures of the strikes; without a cued
 strike they are NaN, and there is a reason."""
 
 FINEST_DIRECTION = 1e-11  # Tolerance of the root, rad: the error of the lag at the finest accuracy
@@ -48,7 +48,7 @@ NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A direction of the bar from the workpart's normal, rad, and the measures of the strike that
+    """A direction of the bar from the workpart's normal (rad) and the measures of the strike that
     it gives.
     """
 
@@ -57,14 +57,14 @@ class Place:
 
 
 def placed(tool: Tool, direction: float) -> Tool:
-    """Return the tool with its bar moved to another direction, rad, at the same distance from the
+    """Return the tool with its bar moved to another direction (rad) at the same distance from the
     hub's centre.
     """
     return tool.replace(**centre_of(tool, direction))
 
 
 def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
-    """Return the coordinates of the bar's centre by name, m, in given directions, rad, at the bar's
+    """Return the coordinates of the bar's centre by name (m) in given directions (rad) at the bar's
     distance from the hub's centre.
     """
     distance = math.hypot(*_bar_of(tool).centre)
@@ -128,7 +128,7 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
 
 
 def _place(strikes: Strikes, direction: float) -> Place:
-    """Return a direction of the bar, rad, with the measures of its strike; they are NaN without a
+    """Return a direction of the bar (rad) with the measures of its strike; they are NaN without a
     cued strike.
     """
     found = strikes(np.array([direction]))
@@ -139,7 +139,7 @@ def _place(strikes: Strikes, direction: float) -> Place:
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
     """Return the direction of the bar at which the tip strikes fastest, together with that strike.
 
-    The search goes from the direction ``start``, rad, in steps to the next maximum of the speed,
+    The search goes from the direction ``start`` (rad) in steps to the next maximum of the speed,
     which Brent's method refines.
     """
     directions = start + step * np.arange(-math.floor(start / step), (math.pi - start) / step)

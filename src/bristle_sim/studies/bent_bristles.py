@@ -93,7 +93,7 @@ class BentBristles:
 
 
 def slide_path(history: ContactHistory) -> Array:
-    """Return the tip's displacement along the workpart since the first touch, m, shape (n,).
+    """Return the tip's displacement along the workpart since the first touch (m), shape (n,).
 
     The tangential velocity is integrated over the n samples by the trapezoidal rule.
     """

@@ -9,7 +9,7 @@ from bristle_sim.settings import Settings
 LAWS = ("energetic", "compliant", "engine")
 
 LEAST_RATE = 1e-300
-"""Least rate of a rod before an impact, rad/s, that is distinguished from rest.
+"""Least rate of a rod before an impact (rad/s) that is distinguished from rest.
 
 Slower rates are near the smallest number that has all digits, 2e-308."""
 

@@ -72,7 +72,7 @@ class CueMap:
 
     @property
     def marks(self) -> dict[str, float]:
-        """Directions of the bar that the maps show, rad, by name; the first is that of the tool's
+        """Directions of the bar that the maps show (rad) by name; the first is that of the tool's
         own bar.
         """
         bar = self.tool.bar
@@ -229,7 +229,7 @@ def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
     the bars in the directions found.
 
     Returns:
-        The coordinates S_H and S_V of the bar, m, and the measures of the strikes by name, shape
+        The coordinates S_H and S_V of the bar (m) and the measures of the strikes by name, shape
         (S_V, S_H); NaN where there is no cued strike.
     """
     directions = np.array([*found.marks.values()])

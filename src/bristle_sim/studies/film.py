@@ -72,7 +72,7 @@ class FilmMap:
     Attributes:
         grid: parameters of the map and of the camera.
         dampings: damping ratios of the wire's bending, one for each row of the map.
-        durations: durations of a rigid bristle's contact, s, one for each column.
+        durations: durations of a rigid bristle's contact (s), one for each column.
         results: measures over the map by name; NaN without a strike.
         nearest: row and column of the point that comes nearest to the measured values.
         tool: tool of the nearest point.
@@ -89,7 +89,7 @@ class FilmMap:
 
     @property
     def frames(self) -> Array:
-        """Return the instants at which the camera's shutter opens, s, from half a millisecond
+        """Return the instants at which the camera's shutter opens (s) from half a millisecond
         before the strike to half a millisecond after it.
 
         The strike is midway between two of them.

@@ -73,7 +73,7 @@ class FlexibleStrike:
         tool: tool whose workpart touches the end of the radial wire at ``impact_angle``.
         impact_angle: angle between the radial wire and the workpart's normal, rad.
         rate: angular velocity of all links before the strike, rad/s.
-        contact: time, s, that the contact would last if the wire were rigid; it determines the
+        contact: time (s) that the contact would last if the wire were rigid; it determines the
             stiffness of the contact.
         settings: accuracy and limits of the simulation.
     """
@@ -108,7 +108,7 @@ class FlexibleStrike:
         return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
     def run(self, flight: float = 0.0) -> ChainStrike:
-        """Simulate the strike, and the free motion for the time ``flight``, s, after it."""
+        """Simulate the strike, and the free motion for the time ``flight`` (s) after it."""
         return strike_wire(
             *self._start(), self.settings, duration=self.contact.duration, flight=flight
         )

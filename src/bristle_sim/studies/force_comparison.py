@@ -172,8 +172,8 @@ def _answer(curve: str, main: Sequence[Quantity], no_contact: str) -> str:
 def _as_dict(fit: ForceFit) -> dict[str, Any]:
     """Return a fit as a dictionary for the JSON.
 
-    It holds the fitted values and their standard errors by name, the start of the contact, s, and
-    the baseline and the root mean square of the residuals, N.
+    It holds the fitted values and their standard errors by name, the start of the contact (s),
+    the baseline (N) and the root mean square of the residuals (N).
     """
     return {
         "start": fit.start,

@@ -65,7 +65,7 @@ class Ground:
     Attributes:
         body: shape of the crater that a strike cuts.
         blasting: size and cells of the ground, and the rule for z_0.
-        heights: heights above the original plane, m, shape (across, along).
+        heights: heights above the original plane (m), shape (across, along).
         cell: width of a cell across the slide, m; ``step`` is its length along the slide.
         covered: number of cells that were struck.
         taken: volumes that the strikes removed, in their order, m^3.
@@ -93,7 +93,7 @@ class Ground:
     def strike(self, x: float, y: float, depth: float) -> None:
         """Cut one crater into the ground.
 
-        On a plane its outline would have its middle at (x, y), m, and its depth would be ``depth``,
+        On a plane its outline would have its middle at (x, y), in m, and its depth would be ``depth``,
         m.
         """
         if len(self.taken) % HIGHEST_EVERY == 0:
@@ -180,7 +180,7 @@ class Blasted(NamedTuple):
 
     Attributes:
         ground: the ground.
-        places: middle (x, y) of each crater's outline, m, in the order of the strikes.
+        places: middle (x, y) of each crater's outline (m) in the order of the strikes.
         depths: depth of each crater on a plane, m.
         course: number of strikes, Rz (m), coverage and mean depth (m) at some instants, by name.
     """
@@ -290,7 +290,7 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
 
 
 def _places(blasting: Blasting, number: int, random: np.random.Generator) -> Array:
-    """Return the places of the strikes in their order, m, shape (number, 2).
+    """Return the places of the strikes in their order (m), shape (number, 2).
 
     In a pattern the strikes of one pass of the tool are evenly spaced along the track, one plane of
     bristles after another. Every further pass begins at a random place.

@@ -66,7 +66,7 @@ RODS = {
 
 
 def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
-    """Return the bristle as a chain of one rod that stands radially at the impact angle, rad, and
+    """Return the bristle as a chain of one rod that stands radially at the impact angle (rad), and
     turns at the rate, rad/s.
     """
     return Chain(

@@ -24,9 +24,9 @@ class ImpulseCourse:
     """Velocities of the contact point over the normal impulse.
 
     Attributes:
-        impulse: normal impulse, ascending from 0, N s, shape (n,).
-        normal_velocity: velocity v_n away from the surface, m/s, shape (n,).
-        tangential_velocity: velocity v_t along the surface, m/s, shape (n,).
+        impulse: normal impulse, ascending from 0 (N s), shape (n,).
+        normal_velocity: velocity v_n away from the surface (m/s), shape (n,).
+        tangential_velocity: velocity v_t along the surface (m/s), shape (n,).
         phases: names of the phases between consecutive impulses, if known.
     """
 

@@ -135,7 +135,7 @@ def least_pitch(
     of_follower: bool = False,
     largest: float,
 ) -> float:
-    """Return the pitch above which no wire touches its neighbour, rad, by the motion of a lone
+    """Return the pitch above which no wire touches its neighbour (rad) by the motion of a lone
     bristle.
 
     Args:

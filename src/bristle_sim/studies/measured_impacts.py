@@ -83,18 +83,18 @@ class Ellipse(NamedTuple):
 
     @property
     def inverse_mass(self) -> Array:
-        """Inverse mass matrix K at the contact of each impact, 1/kg, shape (n, 2, 2)."""
+        """Inverse mass matrix K at the contact of each impact (1/kg), shape (n, 2, 2)."""
         return np.asarray((self.jacobian / INERTIA) @ self.jacobian.swapaxes(1, 2))
 
     def at_contact(self, velocity: Array) -> Array:
-        """Return (normal, tangential) velocities of the contact point, m/s, shape (n, 2)."""
+        """Return (normal, tangential) velocities of the contact point (m/s), shape (n, 2)."""
         return np.asarray((self.jacobian @ velocity[..., np.newaxis])[..., 0])
 
     def predicted(self, law: Law, friction: float, restitution: float) -> Array:
         """Return the impulses that a contact law predicts from the measured velocities before the
         impacts.
 
-        They are (normal, tangential), N s, shape (n, 2).
+        They are (normal, tangential) in N s, shape (n, 2).
         """
         approach = self.at_contact(self.before)
         hit = law(self.inverse_mass, approach, friction, restitution)
@@ -115,7 +115,7 @@ class Ellipse(NamedTuple):
         nearest to the measured ones.
 
         The distance is measured in the norm of the kinetic energy. The impulses are (normal,
-        tangential), N s, shape (n, 2).
+        tangential) in N s, shape (n, 2).
         """
         change = self.at_contact(self.after - self.before)
         return np.asarray(np.linalg.solve(self.inverse_mass, change[..., np.newaxis])[..., 0])
@@ -125,7 +125,7 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
     """Return the predicted rebound of spheres over the angle of incidence, deg.
 
     ``compliance`` is the ratio of tangential to normal compliance of the contact, eta^2. The result
-    has the names of MEASURED_SPHERES: the ratio of tangential velocities, the spin, rad/s, and the
+    has the names of MEASURED_SPHERES: the ratio of tangential velocities, the spin (rad/s) and the
     rebound angle, deg.
     """
     angle = np.radians(angle_deg)

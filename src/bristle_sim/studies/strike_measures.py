@@ -65,7 +65,7 @@ def state_at_strike(
 
 
 def beside_radial(lag: float) -> str:
-    """Return a lag, deg, in words, for example ``2.74° short of radial``."""
+    """Return a lag (deg) in words, for example ``2.74° short of radial``."""
     if abs(lag) < RADIAL:
         return "radial"
     return f"{amount(abs(lag), 'deg')} {'beyond' if lag < 0.0 else 'short of'} radial"

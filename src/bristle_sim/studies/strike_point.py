@@ -122,7 +122,7 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> float | None:
-    """Return the depth of the crater that a contact cuts, m, along the tip's velocity before the
+    """Return the depth of the crater that a contact cuts (m), along the tip's velocity before the
     contact.
 
     It is None if the tip cuts no chip, or the contact law gives no work.
@@ -138,7 +138,7 @@ def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> 
 def crater_depth(
     lost: ArrayLike, friction: ArrayLike, entry: ArrayLike, wire_diameter: ArrayLike
 ) -> Array:
-    """Return the depth of a crater, m, whose chip takes the energy that the tip loses in
+    """Return the depth of a crater (m) whose chip takes the energy that the tip loses in
     compression.
 
     The tip is as wide as the wire. It cuts straight along its velocity into API 5L steel. The shear

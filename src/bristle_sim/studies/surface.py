@@ -70,8 +70,8 @@ class BlastedSurface(EqualByValue):
     Attributes:
         blasting: parameters of the track and the ground.
         body: shape of the first crater.
-        heights: heights above the original plane, m, shape (across, along).
-        places: middle (x, y) of each crater's outline, m, in the order of the strikes.
+        heights: heights above the original plane (m), shape (across, along).
+        places: middle (x, y) of each crater's outline (m) in the order of the strikes.
         depths: depth of each crater on a plane, m.
         taken: volume that each strike removed, m^3.
         course: number of strikes, Rz (m), coverage and mean depth (m) at some instants, by name.
@@ -317,7 +317,7 @@ def height_lines(made: BlastedSurface) -> str:
 
 
 def height_columns(made: BlastedSurface) -> dict[str, Array]:
-    """Return x, y and height of every cell, m, as columns by name, in rows along the slide."""
+    """Return x, y and height of every cell (m) as columns by name, in rows along the slide."""
     across, along = np.indices(made.heights.shape)
     cell = made.blasting.cell
     columns = (cell / CELLS_ALONG * along, cell * across, made.heights)

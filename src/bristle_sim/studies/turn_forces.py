@@ -39,8 +39,8 @@ class Force:
 
     Attributes:
         obstacle: name of the obstacle.
-        edges: ascending instants, s, between which the force is smooth; a single one for an impact.
-        integral: impulses of the normal and the tangential force, N s, and time integral of their
+        edges: ascending instants (s) between which the force is smooth; a single one for an impact.
+        integral: impulses of the normal and the tangential force (N s) and time integral of their
             moment, N m s.
         course: normal force over time, N; None for an impact.
     """
@@ -54,7 +54,7 @@ class Force:
 def load_cell_response(
     forces: Iterable[Force], period: float, bandwidth: float, times: Array
 ) -> Array:
-    """Return the normal force that a load cell shows at given times, N, if the forces repeat
+    """Return the normal force that a load cell shows at given times (N), if the forces repeat
     periodically.
 
     An impact of impulse J contributes J h(tau + k T) for k = 0, 1, ..., where tau is the time since
@@ -146,7 +146,7 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
 
 
 def quadrature(time: Array) -> tuple[Array, Array]:
-    """Return instants between n samples, s, and the weights of an integral over time at them, both
+    """Return instants between n samples (s) and the weights of an integral over time at them, both
     of shape (n - 1, 2).
 
     It is the Gauss-Legendre rule of fourth order. Samples h rad of the oscillation apart have a
@@ -160,7 +160,7 @@ def quadrature(time: Array) -> tuple[Array, Array]:
 def _sustained(
     tool: Tool, motion: Interpolation, contact: ContactRecord
 ) -> tuple[tuple[float, ...], float]:
-    """Return the instants between which the force of a sustained contact is smooth, s, and the time
+    """Return the instants between which the force of a sustained contact is smooth (s) and the time
     integral of its moment, N m s.
 
     The force jumps where slip reverses, and where the bar reaches the wire's end. The run has two

@@ -64,7 +64,7 @@ def merchant_crater_depth(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the crater depth, m, by Merchant's circle, summed over equal time steps, called plies.
+    """Return the crater depth (m) by Merchant's circle, summed over equal time steps, called plies.
 
     This is eq. 4.50 of Zhang (2020), with the force R(t) and the width b(t) of the dissertation. By
     default the angles of the cut follow from ``friction`` and ``impact_angle`` without rounding;
@@ -102,7 +102,7 @@ def merchant_crater_depth_limit(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the crater depth by Merchant's circle, m, in the limit of infinitely many time steps.
+    """Return the crater depth by Merchant's circle (m) in the limit of infinitely many time steps.
 
     It is the limit of ``merchant_crater_depth``, whose arguments it takes.
 
@@ -164,7 +164,7 @@ def constant_for_crater_depth(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the shear-angle constant C, rad, at which the crater has a given depth, m.
+    """Return the shear-angle constant C (rad) at which the crater has a given depth (m).
 
     C = 2 eta + x (4.45) fixes the shear angle eta; x = beta - alpha = arccot(mu) - gamma is the
     angle between the resultant force and the cutting velocity. The angles enter the depth by
@@ -255,7 +255,7 @@ def energy_crater_depth_ratio(
 
 
 def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
-    """Return the kinetic energy lost in each of the equal time steps, J, and the force at its end.
+    """Return the kinetic energy lost in each of the equal time steps (J) and the force at its end.
 
     The force is in N.
     """

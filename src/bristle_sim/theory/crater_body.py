@@ -52,7 +52,7 @@ class Paraboloid:
         return 0.0
 
     def shape(self, x: Array, y: Array) -> Array:
-        """Return the height above the lowest point, m, on the grid of all x and y, shape (y, x)."""
+        """Return the height above the lowest point (m) on the grid of all x and y, shape (y, x)."""
         return 4.0 * self.depth * np.add.outer((y / self.width) ** 2, (x / self.length) ** 2)
 
     def reach(self, height: float) -> tuple[float, float, float]:
@@ -71,7 +71,7 @@ class Paraboloid:
     def volume(self, depth: ArrayLike | None = None) -> Number:
         """Return the volume of the crater below the plane surface, m^3.
 
-        With ``depth``, m, it is the volume of the crater's lowest part of this depth.
+        With ``depth`` (m), it is the volume of the crater's lowest part of this depth.
         """
         ratio = 1.0 if depth is None else np.asarray(depth) / self.depth
         return 0.5 * self.area() * self.depth * ratio**2
@@ -158,7 +158,7 @@ class SweptTip:
 
         It is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y. gamma is
         the impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's
-        edge. With ``depth``, m, it is the volume of the crater's lowest part of this depth.
+        edge. With ``depth`` (m), it is the volume of the crater's lowest part of this depth.
         """
         last, sine, above = self._edge(self.depth if depth is None else depth)
         full = self.face.full_depth
@@ -173,7 +173,7 @@ class SweptTip:
         is at y = (d/2) sin(theta) and z_e = D (1 - cos(theta)).
 
         Returns:
-            The angle theta at the surface, rad, its sine, and the depth less D, m.
+            The angle theta at the surface (rad), its sine, and the depth less D (m).
         """
         full = self.face.full_depth
         below = np.asarray(depth, dtype=float)

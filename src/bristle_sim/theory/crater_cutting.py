@@ -76,7 +76,7 @@ class ContactCrater:
 def swept_volume(
     path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace = PRINTED_FACE
 ) -> Number:
-    """Return the volume, m^3, that the tip's face sweeps below the surface on a path of length S.
+    """Return the volume (m^3) that the tip's face sweeps below the surface on a path of length S.
 
     For a path S, m, that descends at the impact angle gamma, rad, it is V(S) = integral from 0 to S
     of b(s sin(gamma)) s tan(gamma) ds. b is the width of the cut at a depth. Up to the depth at
@@ -98,7 +98,7 @@ def depth_from_energy(
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace = PRINTED_FACE,
 ) -> Number:
-    """Return the crater depth, m, at which cutting the crater takes a given energy.
+    """Return the crater depth (m) at which cutting the crater takes a given energy.
 
     The depth is S sin(gamma) for the length S of the path that satisfies u V(S) = W, with V of
     ``swept_volume``.
@@ -133,7 +133,7 @@ def depth_from_force(
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace = PRINTED_FACE,
 ) -> Number:
-    """Return the crater depth, m, at which the chip resists with a given force.
+    """Return the crater depth (m) at which the chip resists with a given force.
 
     It solves u b(depth) depth/cos(gamma) = F_c, with the width b of the cut. ``cutting_force`` is
     the force F_c along the path, N. The specific cutting energy u, the impact angle gamma and the
@@ -201,10 +201,10 @@ def crater_depth_from_contact(
     Its depth is given twice, from the largest force and from the work.
 
     Args:
-        time: times, s, shape (n,) with n >= 2, as all columns below.
+        time: times (s), shape (n,) with n >= 2, as all columns below.
         normal_force: normal force on the tip, N.
         tangential_force: tangential force on the tip, N.
-        penetration: penetration, m, positive inside the workpart.
+        penetration: penetration (m), positive inside the workpart.
         normal_velocity: normal velocity of the tip, m/s.
         tangential_velocity: tangential velocity of the tip, m/s.
         impact_angle: angle of the tip's path to the surface, rad.

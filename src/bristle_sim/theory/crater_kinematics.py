@@ -164,7 +164,7 @@ class CuttingWidth:
         return cls(0.5 * face.short_axis, swing, kinematics.decay)
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Return the width of the cut, m, at times in s, of any shape.
+        """Return the width of the cut (m) at times in s, of any shape.
 
         The difference of squares in ``CuttingWidth`` is factored, which avoids cancellation near
         t = 0.
@@ -212,7 +212,7 @@ def kinetic_energy(
     coefficients: tuple[float, float, float] = PRINTED_ENERGY,
     decay: float = PRINTED_KINEMATICS.decay,
 ) -> Number:
-    """Return the kinetic energy of the bristle, J, at times >= 0 in s (Zhang 2020, eq. 4.59).
+    """Return the kinetic energy of the bristle (J) at times >= 0 in s (Zhang 2020, eq. 4.59).
 
     ``coefficients`` are those of ``energy_coefficients``, by default as printed. ``decay`` is the
     decay rate of the motion, 1/s.

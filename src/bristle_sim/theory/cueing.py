@@ -52,7 +52,7 @@ def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Num
 
 
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """Return the distance of the tip from the hub's centre, m, at a retraction of the bristle.
+    """Return the distance of the tip from the hub's centre (m) at a retraction of the bristle.
 
     It is sqrt(r_h^2 + L^2 + 2 r_h L cos(theta_p)), with the hub's radius r_h and the wire's length
     L in m and the retraction theta_p in rad.
@@ -182,9 +182,9 @@ def stiffened_cue_time(
 
 
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the time from release at rest to the highest speed, s, without centrifugal stiffness.
+    """Return the time from release at rest to the highest speed (s), without centrifugal stiffness.
 
-    Omega is the natural rate, rad/s, and zeta the damping ratio:
+    Omega is the natural rate (rad/s) and zeta the damping ratio:
 
         t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
 
@@ -199,10 +199,10 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
 
 
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the highest speed of the bristle relative to the hub, rad/s, with a damped belt.
+    """Return the highest speed of the bristle relative to the hub (rad/s) with a damped belt.
 
-    It is theta_p Omega e^(-zeta f(zeta)), with the retraction theta_p at release, rad, the natural
-    rate Omega, rad/s, the damping ratio zeta, and f of ``damped_cue_time``.
+    It is theta_p Omega e^(-zeta f(zeta)), with the retraction theta_p at release (rad), the natural
+    rate Omega (rad/s), the damping ratio zeta, and f of ``damped_cue_time``.
 
     >>> print(f"{damped_highest_speed(0.5, 2.0, 0.0):.6f} {damped_highest_speed(0.5, 2.0, 1.0):.6f}")  # times 1/e when critical
     1.000000 0.367879
@@ -211,11 +211,11 @@ def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio
 
 
 LEAST_TURN = 1e-100
-"""Angle, rad, below which sin(x)/x is set to 1, since the quotient would overflow."""
+"""Angle (rad), below which sin(x)/x is set to 1, since the quotient would overflow."""
 
 
 def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
-    """Return the retraction, rad, and the relative rate, rad/s, of the bristle after its release.
+    """Return the retraction (rad) and the relative rate (rad/s) of the bristle after its release.
 
     ``time`` is the time since the release, s; ``retraction`` is theta_p, the retraction at release,
     rad. The centrifugal stiffness is neglected. The retraction is theta_p e^(-zeta Omega t) (cosh w

@@ -66,8 +66,8 @@ class ForceFit:
             in 1/s, duration and start in s, the baseline in N.
         covariance: covariance of the parameters, shape (p, p), for independent errors of the same
             standard deviation in all points.
-        residuals: fitted minus measured force, N, shape (n,).
-        noise: standard deviation of a point, N, estimated from the residuals.
+        residuals: fitted minus measured force (N), shape (n,).
+        noise: standard deviation of a point (N), estimated from the residuals.
         explained: sum of squares of the force, about its mean, that the fit explains, N^2.
         start: start of the contact on the clock of the record, s.
         baseline: force that the record shows outside the contact, N.
@@ -120,9 +120,9 @@ def fit_force_history(
     The curve is ``ForceCurve``, eq. 3.3 of Zhang (2020) with one exponential; the fit is (3.2).
 
     Args:
-        time: increasing times on any clock, s, shape (n,). The record is a contact or its
+        time: increasing times on any clock (s), shape (n,). The record is a contact or its
             beginning, with or without samples before and after it.
-        force: forces, N, shape (n,), positive where the tip is pushed.
+        force: forces (N), shape (n,), positive where the tip is pushed.
         duration: duration of the contact, s; fitted by default.
         peak_force: force F* to which the fitted amplitude refers, N; by default the largest
             measured force above the baseline.

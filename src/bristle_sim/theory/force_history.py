@@ -81,7 +81,7 @@ class ForceCurve:
         return 2.0 * math.pi / self.period
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Return the force, N, at times in s of any shape."""
+        """Return the force (N) at times in s of any shape."""
         t = np.asarray(time, dtype=float)
         bracket = self.offset - self.swing * np.cos(self._turn * (t + self.lead))
         return self.amplitude * np.exp(-self.decay * t) * bracket
@@ -95,7 +95,7 @@ class ForceCurve:
     def impulse(self, end: ArrayLike, start: ArrayLike = 0.0) -> Number:
         """Return the impulse of the force between two times, N s (Zhang 2020, eq. 3.1).
 
-        The times ``start`` and ``end``, s, broadcast.
+        The times ``start`` and ``end`` (s), broadcast.
         """
         return self._integral(end) - self._integral(start)
 
@@ -112,7 +112,7 @@ class ForceCurve:
         return self.amplitude * (self.offset * constant - self.swing * turning.real)
 
     def peak_time(self) -> float:
-        """Return the time of the largest force, s, which is the end of compression.
+        """Return the time of the largest force (s) which is the end of compression.
 
         There F' = 0 (Zhang 2020, eq. 3.6). The time is the second root of sin(w (t + t_o) + phi) =
         lambda offset/(swing sqrt(w^2 + lambda^2)) with tan(phi) = lambda/w, w = 2 pi/period, the
@@ -147,7 +147,7 @@ class ForceCurve:
         return float(self(self.peak_time()))
 
     def rescaled(self, impulse: float, compression_time: float) -> ForceCurve:
-        """Return a curve of the same shape with another impulse, N s, and compression time, s.
+        """Return a curve of the same shape with another impulse (N s) and compression time (s).
 
         ``impulse`` is the impulse up to the peak of the new curve. In both impacts the same
         fraction of the compression time carries the same fraction of this impulse (3.14). With the
@@ -185,13 +185,13 @@ def segment_impulses(
 
     Args:
         curve: force curve of another impact, which gives the proportions.
-        impulse: compressive impulse p_c to be divided, N s, shape (...).
+        impulse: compressive impulse p_c to be divided (N s), shape (...).
         segments: number of equal parts of the compression time.
         compression_time: compression time of the curve, s; by default the time of its peak. For the
             ball the dissertation rounds this to 2.328 ms.
 
     Returns:
-        The impulses of the parts, N s, shape (..., segments). Their sum is the impulse.
+        The impulses of the parts (N s), shape (..., segments). Their sum is the impulse.
 
     The parts add up to the whole:
 

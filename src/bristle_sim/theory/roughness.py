@@ -87,7 +87,7 @@ def profile_measures(
     RSm are taken over the evaluation length, which consists of all section lengths.
 
     Args:
-        profiles: roughness profiles, m, shape (..., points), as from ``roughness_profiles``.
+        profiles: roughness profiles (m), shape (..., points), as from ``roughness_profiles``.
         cell: distance between two points, m.
         section: section length, m.
         sections: number of section lengths, from the start of a profile. The profiles must be at

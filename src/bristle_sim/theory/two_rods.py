@@ -26,7 +26,7 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
     """Return the least friction at which the tip of a double pendulum sticks once its slip stops.
 
     With the mass ratio n = m_1/m_2 of the rods, their angles theta_1 and theta_2 to the surface's
-    normal, rad, and c = cos(theta_1 - theta_2), it is
+    normal (rad) and c = cos(theta_1 - theta_2), it is
 
         mu_bar = |sin 2 theta_1 + (n + 3) sin 2 theta_2 - 3 c sin(theta_1 + theta_2)|
                  / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
@@ -52,7 +52,7 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
 class Rods:
     """The kinetics of two hinged rods of equal length at given angles to the surface's normal.
 
-    The motion is given by the generalized speeds q = (L phi'_1, L phi'_2/2), m/s, with the length L
+    The motion is given by the generalized speeds q = (L phi'_1, L phi'_2/2) (m/s) with the length L
     and the rates phi' of the rods. The tip C of the second rod receives impulses. ``mass`` is the
     mass of the second rod, ``ratio`` the mass of the first rod over it.
     """
@@ -118,7 +118,7 @@ class Rods:
 class RodImpact:
     """The present state of an impact of two rods.
 
-    It holds the generalized speeds of the rods, m/s, and the normal impulse, N s, and normal work,
+    It holds the generalized speeds of the rods (m/s) and the normal impulse (N s) and normal work,
     J, so far.
     """
 

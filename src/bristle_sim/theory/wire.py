@@ -84,7 +84,7 @@ def hinge_damping(
 def beam_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, modes: int
 ) -> Array:
-    """Return the lowest natural frequencies of a wire as a beam, Hz, shape (modes,).
+    """Return the lowest natural frequencies of a wire as a beam (Hz), shape (modes,).
 
     In the first mode the wire swings on the torsion spring at its root; the frequency is 0 without
     the spring. The second mode is the first bending mode.

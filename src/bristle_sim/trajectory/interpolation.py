@@ -124,7 +124,7 @@ class Interpolation:
         )
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
-        """Return the motion up to an instant, s, for drawing; see ``Trajectory.course``."""
+        """Return the motion up to an instant (s) for drawing; see ``Trajectory.course``."""
         points = int(POINTS.check(points))
         start, end = float(self.run.time[0]), min(until, float(self.run.time[-1]))
         if not end > start:
@@ -162,7 +162,7 @@ class Interpolation:
         return np.searchsorted(ends, instants, side="left")
 
     def _scalars(self, instants: Array, side: str) -> Array:
-        """Return normal force, N, kinetic energy, J, and potential energy, J, at instants, as an
+        """Return normal force (N), kinetic energy (J) and potential energy (J) at instants, as an
         array of shape (instants, 3).
         """
         chosen = self._chosen(instants, side)

@@ -163,7 +163,7 @@ def located(contact: ContactRecord, tool: Tool, line: Array) -> ContactRecord:
     Args:
         contact: the record.
         tool: the tool.
-        line: corners of the centre line, m, shape (corners, 2).
+        line: corners of the centre line (m), shape (corners, 2).
     """
     if contact.obstacle == "workpart":
         corner = 1 + int(abs(line[1:, 1] + tool.workpart_depth).argmin())

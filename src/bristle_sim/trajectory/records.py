@@ -58,13 +58,13 @@ class WireMotion(EqualByValue):
     """The motion of a wire at an array of instants of any shape (...), in SI units and radians.
 
     Attributes:
-        time: the instants, s, shape (...).
-        angles: absolute angle of each link, rad, shape (..., links).
-        rates: absolute angular velocity of each link, rad/s, shape (..., links).
+        time: the instants (s), shape (...).
+        angles: absolute angle of each link (rad), shape (..., links).
+        rates: absolute angular velocity of each link (rad/s), shape (..., links).
         centre_line: corners of the wire's centre line from the root over knees and joints to the
-            tip, as (x, y) from the hub's centre, m, shape (..., corners, 2). Pictures draw these
+            tip, as (x, y) from the hub's centre (m), shape (..., corners, 2). Pictures draw these
             points.
-        centre_line_velocity: velocity of the same corners, m/s, shape (..., corners, 2).
+        centre_line_velocity: velocity of the same corners (m/s), shape (..., corners, 2).
     """
 
     time: Array
@@ -96,12 +96,12 @@ class Motion(WireMotion):
 
     @property
     def tip(self) -> Array:
-        """Position of the end of the centre line, m, shape (..., 2)."""
+        """Position of the end of the centre line (m), shape (..., 2)."""
         return self.centre_line[..., -1, :]
 
     @property
     def tip_velocity(self) -> Array:
-        """Velocity of the tip, m/s, shape (..., 2)."""
+        """Velocity of the tip (m/s), shape (..., 2)."""
         return self.centre_line_velocity[..., -1, :]
 
     @property
@@ -167,10 +167,10 @@ class ContactHistory(EqualByValue):
     """The history of a compliant contact, as arrays of equal length.
 
     Attributes:
-        time: times on the run's clock, s, from the first touch on.
+        time: times on the run's clock (s) from the first touch on.
         normal_force: normal force on the tip, N.
         tangential_force: tangential force on the tip, N.
-        penetration: penetration, m, positive inside the workpart.
+        penetration: penetration (m), positive inside the workpart.
         normal_velocity: normal velocity of the tip, m/s.
         tangential_velocity: tangential velocity of the tip, m/s.
     """

@@ -46,7 +46,7 @@ class Trajectory(RecordedRun):
         :class:`Interpolation` states the accuracy.
 
         Args:
-            time: instants, s, an array of any shape.
+            time: instants (s), an array of any shape.
             side: at the instant of an impact, ``before`` for the state before it or ``after`` for
                 the state after it.
 

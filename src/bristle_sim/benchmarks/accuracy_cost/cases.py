@@ -176,7 +176,7 @@ def state_at_strike(run: Trajectory) -> tuple[float, float, float]:
     """Return the state at the first contact with the workpart.
 
     Returns:
-        Time, s, relative angle, rad, and relative rate, rad/s. All three are NaN if there is no
+        Time (s), relative angle (rad) and relative rate (rad/s). All three are NaN if there is no
         contact.
     """
     contact = run.first_contact("workpart")

@@ -52,7 +52,7 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Measured error, CPU time, s, and number of steps of an attempt.
+    """Measured error, CPU time (s) and number of steps of an attempt.
 
     A failed attempt has an infinite error, and ``failure`` states the reason.
     """
@@ -124,7 +124,7 @@ BLOCK = 4e-3
 
 
 def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
-    """Return the least CPU time of each action, s, over several rounds.
+    """Return the least CPU time of each action (s) over several rounds.
 
     In a round all actions are timed one after the other, with warm caches.
     """

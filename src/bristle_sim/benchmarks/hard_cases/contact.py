@@ -30,7 +30,7 @@ ROOT = TOOL.hub.radius
 LENGTH = TOOL.bristle.length
 
 SURFACE = 0.8
-"""Angle from the vertical, rad, at which a falling bristle meets the workpart."""
+"""Angle from the vertical (rad) at which a falling bristle meets the workpart."""
 
 SLOWEST = 1e-8
 """Speed of an impact, as a fraction of the first impact's speed, below which the wire counts as at
@@ -131,7 +131,7 @@ def touching() -> Iterator[HardCase]:
 def between(
     hub_angle: float, angle: float, *, at: float = 0.8, bar_gap: float = 0.0, gap: float = 0.0
 ) -> Tool:
-    """Return a tool whose bar and workpart stand at given gaps, m, from its bristle.
+    """Return a tool whose bar and workpart stand at given gaps (m) from its bristle.
 
     The bar stands ahead of the wire. Neither obstacle has friction or restitution.
 
@@ -167,7 +167,7 @@ def _jams() -> Finding:
     bar_x, bar_y = tool.bar.centre
 
     def gap(hub_angle: float) -> float:
-        """Return the gap between the wire's flank and the bar, m, while the tip is on the
+        """Return the gap between the wire's flank and the bar (m), while the tip is on the
         workpart."""
         angle = math.acos((tool.workpart_depth - ROOT * math.cos(hub_angle)) / LENGTH)
         x = bar_x - ROOT * math.sin(hub_angle)

@@ -133,7 +133,7 @@ def _closed_form(
     """Return the result of a strike of one or two rods by its closed form.
 
     Returns:
-        Rates after the impact, rad/s, the normal impulse, N s, and the name of the outcome.
+        Rates after the impact (rad/s), the normal impulse (N s) and the name of the outcome.
     """
     mass = chain.masses[-1]
     length = chain.lengths[0]

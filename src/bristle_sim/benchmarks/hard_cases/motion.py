@@ -53,9 +53,9 @@ def released(name: str, accuracy: float, **changes: float) -> HardCase:
 
 
 def whole(name: str, **changes: float) -> HardCase:
-    """Return the case that compares the whole pass of a tool with the reference.
+    """Return the case that compares the simulated pass of a tool with the reference solution.
 
-    ``changes`` are values of the tool's keys.
+    ``changes`` are the tool's parameters that differ from their defaults, by key.
     """
     promise = AS_REFERENCE.format(ACCURACY)
     return hard_case(f"{name}: whole pass", promise, agrees_with_reference, TOOL.replace(**changes))
@@ -107,7 +107,7 @@ TIP = TOOL.hub.radius + TOOL.bristle.length
 """Radius of the circle on which the tip of a radial bristle moves, m."""
 
 THINNEST = 1.001 * LEAST_REACH * TOOL.bristle.length
-"""Radius, m, just above that of the thinnest bar accepted with a wire of zero width."""
+"""Radius (m), just above that of the thinnest bar accepted with a wire of zero width."""
 
 
 def tunnelling() -> Iterator[HardCase]:
@@ -125,7 +125,7 @@ def tunnelling() -> Iterator[HardCase]:
 
 BAR_DISTANCE = 0.9 * TIP
 BAR_ANGLE = 1.2
-"""Distance of the bar from the hub's axis, m, and angle by which the bar stands before the
+"""Distance of the bar from the hub's axis (m) and angle by which the bar stands before the
 workpart's normal, rad."""
 
 

@@ -33,7 +33,7 @@ EPSILON = 2.0**-52
 
 RATE = 845.0
 RESTITUTION = 0.42
-"""Rate, rad/s, and coefficient of restitution of a rod that strikes like the bristle."""
+"""Rate (rad/s) and coefficient of restitution of a rod that strikes like the bristle."""
 
 TWO_ROD_ROUNDING = 1e-12
 """Largest relative error of rates and impulses of two rods.
@@ -48,7 +48,7 @@ MOTIONS = {
     "reverse slip": ((0.1, 0.2), 0.3),
     "stick": ((-1.0, 1.1), 5.0),
 }
-"""Rates of two rods, rad/s, and their friction coefficient, by the motion of the tip in the impact.
+"""Rates of two rods (rad/s) and their friction coefficient, by the motion of the tip in the impact.
 
 The tip slips to the end of the impact, or its slip stops and it then slips back or sticks."""
 
@@ -182,7 +182,7 @@ def grazing() -> Iterator[HardCase]:
 def _dips(obstacle: str, depth: float) -> Tool:
     """Return a tool with one obstacle, which the circle of the undeflected tip enters by a depth.
 
-    The depth is over the bristle's length. At a negative depth the tip misses the obstacle.
+    The depth is a fraction of the bristle's length. At a negative depth the tip misses the obstacle.
     """
     if obstacle == "workpart":
         return TOOL.replace(bar=None, penetration=depth * LENGTH)

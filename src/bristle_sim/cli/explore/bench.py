@@ -173,9 +173,9 @@ def _typed(declared: Range | Choice, value: Any) -> str:
 def series(run: Trajectory) -> dict[str, Any]:
     """Return the curves of a pass over time for the page, with the events marked in them.
 
-    The curves are ``time``, ms, ``retraction``, degrees, ``rate`` relative to the hub, rad/s,
-    ``speed`` of the tip, m/s, and normal ``force``, N. Samples that would not change a displayed
-    curve are left out; ``drawn`` states the number of the others. ``marks`` are times, ms, with the
+    The curves are ``time`` (ms), ``retraction`` (degrees), ``rate`` relative to the hub (rad/s),
+    ``speed`` of the tip (m/s) and normal ``force`` (N). Samples that would not change a displayed
+    curve are left out; ``drawn`` states the number of the others. ``marks`` are times (ms) with the
     names of their events.
     """
     marks = [[1e3 * each.time, each.name] for each in key_events(run)]

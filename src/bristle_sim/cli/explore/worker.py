@@ -32,7 +32,7 @@ from typing import Any, BinaryIO
 from bristle_sim.studies.sweep_point import THREADS
 
 TIME_LIMIT = 60.0
-"""Time, s, after which a computation is ended.
+"""Time (s) after which a computation is ended.
 
 A pass of the default tool takes 0.05 s to simulate, a pass of a wire of four links some seconds."""
 
