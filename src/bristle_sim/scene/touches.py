@@ -46,6 +46,10 @@ of the time is the gap over the speed of approach."""
 OPENING = (
     1.0 / 16.0
 )  # time in which the gap of a released pair must open, over the interval between samples
+MOST_FASTER = 1.5
+"""Largest velocity at which a gap opens at the end of the time ``OPENING``, over that at its start,
+without a search for a rebound that ends within this time."""
+
 LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, over the interval
 MOST_HALVINGS = 40  # largest number of bisections of an interval, down to rounding error
 
@@ -95,7 +99,8 @@ def _search_hop(
     instant = min(system.plan.instant, length)
     closest = partial(system.closest, pair)
     touch = closest(interval.end.state)
-    if touch.gap >= -GAP_ROUNDING or touch.velocity[0] >= 0.0:
+    outside = touch.gap >= -GAP_ROUNDING
+    if outside or (touch.velocity[0] >= 0.0 and touch.gap >= closest(interval.start).gap):
         return (interval, None) if shortened else None
 
     def gap_at(at: IntervalResult) -> float:
@@ -152,8 +157,16 @@ def _touch(
     begin = 0.0
     if pair in separating:
         begin = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
-        opening = length > begin and closest(interval.at(begin))
-        if not (opening and opening.velocity[0] > 0.0 and opening.gap > GAP_ROUNDING + error):
+        within = min(begin, length)
+        opening = closest(interval.at(within))
+        # The gap may have closed and opened again: at a corner of the link, its acceleration jumps.
+        leaves = closest(interval.start).velocity[0]
+        if leaves * within > GAP_ROUNDING and opening.velocity[0] > MOST_FASTER * leaves:
+            dip = first_touch(system.mechanism, closest, interval, error, 0.0, within / length)
+            if dip is not None:
+                return _search_hop(system, interval, pair, dip * length)
+        opens = opening.velocity[0] > 0.0 and opening.gap > GAP_ROUNDING + error
+        if length <= begin or not opens:
             return _search_hop(system, interval, pair, begin)
     else:
         times = (0.0, 0.5 * length, length)
@@ -222,6 +235,7 @@ def first_touch(
     interval: Interval,
     interpolation_error: float = 0.0,
     begin: float = 0.0,
+    last: float = 1.0,
 ) -> float | None:
     """Return the fraction of the interval at which the gap on the polynomial is closed or nearly
     closed; None if the gap stays open.
@@ -236,6 +250,7 @@ def first_touch(
         interval: the interval.
         interpolation_error: upper bound of the gap's error on the polynomial.
         begin: fraction of the interval at which the search begins.
+        last: fraction of the interval at which the search ends.
     """
     length = interval.length
     margin = interpolation_error
@@ -243,8 +258,9 @@ def first_touch(
     bound = 1.5 * max(map(mechanism.speed_bound, ends)) * length
     fraction = begin
     touch = closest(interval.at(begin * length))
-    while fraction < 1.0 and touch.gap <= bound * (1.0 - fraction) + margin:
-        ahead = min(1.0, fraction + max(touch.gap / bound if bound else 1.0, LEAST_ADVANCE))
+    while fraction < last and touch.gap <= bound * (last - fraction) + margin:
+        advance = max(touch.gap / bound if bound else 1.0, LEAST_ADVANCE * last)
+        ahead = min(last, fraction + advance)
         following = closest(interval.at(ahead * length))
         if following.gap < 0.0:
             return ahead
