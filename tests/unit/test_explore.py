@@ -185,6 +185,15 @@ def test_a_map_has_the_passes_of_its_points(client: Any) -> None:
     assert np.median(np.abs(apart)) <= 3
 
 
+def test_both_axes_of_a_map_may_show_one_parameter(client: Any) -> None:
+    side = ["friction", "0.1", "0.5"]
+    on = json.dumps({"x": side, "y": side, "of": "normal_final_impulse"})
+    found = client.get("/map", query_string={"on": on, "fine": "0"}).json
+    shades = unpacked(found, "shades")
+    assert (shades == shades[:, :1]).all()
+    assert np.unique(shades).size > 10
+
+
 def test_a_map_of_the_outcome_names_those_that_occur(client: Any) -> None:
     """The outcome is the same everywhere; where no pass can be computed, the line says why."""
     on = {"x": ["hub_speed", "2490 rpm", "2500 rpm"], "y": ["friction", "0.3", "0.31"]}

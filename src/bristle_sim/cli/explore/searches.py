@@ -55,11 +55,14 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
-    lines = {}
+    keys = []
+    lines = []
     for key, *ends in (asked["x"], asked["y"]):
         low, high = (float(pass_of.keys()[key][0].parse(each)) for each in ends)
-        lines[key] = np.linspace(low, high, 1 + (FINE if fine == "1" else COARSE))
-    places = dict(zip(lines, np.meshgrid(*lines.values()), strict=True))
+        keys.append(key)
+        lines.append(np.linspace(low, high, 1 + (FINE if fine == "1" else COARSE)))
+    # Both axes may show one parameter; the map then changes along the second axis alone.
+    places = dict(zip(keys, np.meshgrid(*lines), strict=True))
     found = pass_quantities(tool, SETTINGS, **places)
     codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)
     if (codes == REFUSED).all():
