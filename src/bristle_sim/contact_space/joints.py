@@ -4,7 +4,7 @@ A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y) of each body'
 angular velocity. A joint transmits an impulse only if its force has no bound. In an instantaneous
 impact springs, joints with a finite ``max_force`` and joints outside a space transmit no impulse.
 Limits (of slide, groove, rotary limit and ratchet joints) push in one direction only, while they
-are reached.
+are reached. The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components
@@ -12,8 +12,6 @@ are reached.
     rotary limit, ratchet   w_b - w_a
     gear              ratio w_b - w_a
     motor             w_b - w_a = -rate
-
-The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
 
 After the engine's step the joints open at some rate, because of the solver's tolerance and of the
 velocities that it adds to correct positions. With the mass matrix M and A = M^-1/2 J^T, the
@@ -45,10 +43,8 @@ Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
 """Dynamic bodies, and the joints that connect them."""
 
 REACHED = 1e-9
-"""Distance from a joint's limit up to which the limit counts as reached, over the joint's length or
-in rad."""
+"""Distance at which a joint's limit counts as reached, over the joint's length or in rad."""
 CLOSED = 1e-14  # opening rate over the terms of its sum, below which it is rounding error
-
 # Singular value, as a fraction of the largest one, below which a joint repeats other joints.
 DEPENDENT = 1e-12
 

@@ -65,8 +65,7 @@ MOST_COMPLIANCE = 1e4
 """Smallest tangential compliance eta^2 at which the springs are followed, and largest one accepted.
 
 Each swing of the tangential spring is a phase, and there are some 0.65/eta phases. Below the
-smallest value the impact is a weighted mean of two impacts: the rigid one, and the one at the
-smallest value."""
+smallest value the impact is a weighted mean of the rigid impact and the one at this value."""
 
 BLOCK = 1 << 13  # number of rigid impacts resolved together, so that their arrays fit the cache
 

@@ -11,8 +11,7 @@ impact is a sequence of phases:
   or where loading or unloading ends;
 * slip in the sense s (``impact_slip``): T = -mu s N, so that v and the foot's velocity v_t + mu s
   eta^2 kappa v_n are linear in the normal impulse p, and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p)
-  p^2/2). It ends where the foot stops, where loading or unloading ends, or where N = 0. Each of
-  these is a root of a polynomial.
+  p^2/2). It ends at a root of a polynomial: the foot stops, loading or unloading ends, or N = 0.
 
 Loading ends where v_n = 0. With e* = 0 the contact ends there too, and the energy of both springs
 is lost. In unloading the coefficient of friction is mu_2. A tangential force T beyond the cone
@@ -20,18 +19,17 @@ jumps onto the cone. A point that is pressed deeper than before loads again, wit
 are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2. Springs
 begin and end without force, or lose their force, so energy never grows.
 
-A point of one degree of freedom may never leave the surface. In stiction friction holds both springs
-compressed; in a jam the root drives the point on into the surface at a constant speed, and both
-forces grow. Balanced forces, K (N, T) = 0, do not change the motion, and their impulse grows without
-end. The impact therefore ends where K (N, T) is first stationary in loading, K_nt v_n + K_tt v_t/eta^2
-= 0. This velocity is that of the balance about which the point would swing, and zero in stiction. As
-eta^2 falls, this end tends to the end of slip, which ends the impact of a rigid point.
+A point of one degree of freedom may never leave the surface. In stiction friction holds both
+springs compressed; in a jam the root drives the point on into the surface at a constant speed, and
+both forces grow. Balanced forces, K (N, T) = 0, do not change the motion, and their impulse has no
+end. The impact therefore ends where K (N, T) is first stationary in loading, at K_nt v_n + K_tt
+v_t/eta^2 = 0. This is the velocity of the balance about which the point would swing; it is 0 in
+stiction. As eta^2 falls, this end tends to the end of slip, where the impact of a rigid point ends.
 
 As eta^2 falls, the result tends to the result for a rigid point. If the rigid point sticks, the
 impulse differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
-reverses, since T takes a time of that order from one edge of the cone to the other; the impulse
-where slip and approach stop together, as on a radial bristle; and the slip that remains where e* =
-0.
+reverses, since T crosses the cone in a time of that order; the impulse where slip and approach stop
+together, as on a radial bristle; and the slip that remains if e* = 0.
 
 Source: W. J. Stronge, *Impact Mechanics*, 2nd ed. (2018), chs. 5 and 6; N. Maw, J. R. Barber, J. N.
 Fawcett, Wear 38 (1976) 101-114.
@@ -69,17 +67,15 @@ from bristle_sim.theory.impact_stick import Contact, stick
 # Energetic coefficient of restitution below which 0 is used: the work that the spring returns would
 # be less than the rounding error of the work that it took.
 LEAST_RESTITUTION = 1e-8
-
 # Largest coefficient of friction used; its cone differs from a half-plane by parts in 1e12.
 WIDEST_CONE = 1e12
 
 MOST_IN_STICK = 10_000
 """Largest number of consecutive phases of stick in which the fast oscillation is followed.
 
-Later phases begin without it, as if it were lost. The number bounds the cost, which is proportional
-to it. With a nearly singular inverse mass matrix K the two natural rates differ a thousandfold, and
-the contact alternates between loading and unloading: 198 times at det K = 1e-4 K_nn K_tt, 2,690
-times at 2e-5 K_nn K_tt."""
+Later phases begin without it, as if it were lost; the cost is proportional to the number. With a
+nearly singular inverse mass matrix K the two natural rates differ a thousandfold, and the contact
+alternates between loading and unloading, 2,690 times at det K = 2e-5 K_nn K_tt."""
 
 SETTLING = 120
 LEAST_RESOLVED = 2e-3
@@ -98,7 +94,6 @@ returns before each further halving.
 With more friction in unloading than in loading, slip can press the point back as soon as it begins
 to separate. In one of some thousand impacts this happens a million times, and each return changes
 the slip by less than a millionth."""
-
 # Coefficient of restitution e* below which phases of slip are counted like phases of stick: the
 # steep unloading spring makes the point bounce some 1/e* times.
 LEAST_EXACT = 0.01
