@@ -200,7 +200,7 @@ def _lost(
         for contact in motion.ordered:
             if first and contact.stopped:
                 return Happening(Kind.SLIPS, contact, -contact.stopped)
-        if length > plan.shortest and not (first and system.mechanism.single_link):
+        if length > plan.shortest:
             shorter = length / MOST_GROWTH if first else 0.5 * length
             motion.limit = max(min(shorter, motion.release_in), 0.5 * plan.shortest)
             return None
