@@ -153,15 +153,18 @@ def _contents(
     """
 
     def film(target: Path) -> None:
+        """Write the film of the run."""
         assert scenario.film is not None
         rate = {} if options.fps is None else {"fps": options.fps}
         scenario.film(report, **(options.size or {})).write(target, **rate)
 
     def tool_file(target: Path) -> None:
+        """Write the file of the tool that was run or found."""
         found = build_parameters(Tool, values) if scenario.tool is None else scenario.tool(report)
         write_tool(found, target)
 
     def page(target: Path) -> None:
+        """Write the report page."""
         from bristle_sim.render.report import write_report
 
         write_report(

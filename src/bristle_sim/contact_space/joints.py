@@ -215,10 +215,7 @@ def _groove(joint: pymunk.GrooveJoint) -> Guided:
 
 
 def _turning(joint: Any) -> list[JointRow]:
-    """Return the row of a joint between the angles of two bodies.
-
-    The list is empty for a limit that is not reached.
-    """
+    """Return the row of a joint between the angles of two bodies; none for a limit not reached."""
     a = joint.a
     b = joint.b
     angle = b.angle - a.angle
@@ -227,6 +224,7 @@ def _turning(joint: Any) -> list[JointRow]:
     def row(
         way: float = 1.0, ratio: float = 1.0, rate: float = 0.0, *, limit: bool = False
     ) -> list[JointRow]:
+        """Return the row of the rate ``way`` times (``ratio`` w_b - w_a)."""
         entries = (a, 0.0, 0.0, -way), (b, 0.0, 0.0, way * ratio)
         return [JointRow(joint, entries, rate, limit)]
 

@@ -94,15 +94,23 @@ def add_panel(
     subtitle: str = "",
     **options: Any,
 ) -> Axes:
-    """Add axes with a title, in front of which stands the next letter of the alphabet.
+    """Add axes with a title. Where a figure has several panels, letters precede their titles.
 
     ``place`` is (left, bottom, width, height), cm. ``subtitle`` is a smaller line of the title.
     """
-    letter = "abcdefghij"[sum(bool(axes.get_title(loc="left")) for axes in figure.axes) % 10]
+    titled = [axes for axes in figure.axes if axes.get_title(loc="left")]
+    if len(titled) == 1:
+        _set_title(titled[0], titled[0].get_title(loc="left"), "a")
     axes = axes_at(figure, *place, **options)
-    axes.set_title(f"$\\bf{{{letter}}}$  {title}", loc="left", fontsize=8.5, pad=17.0)
+    _set_title(axes, title, "abcdefghij"[len(titled) % 10] if titled else "")
     note(axes, subtitle, (0.0, 1.0), (0.0, 4.5), xycoords="axes fraction")
     return axes
+
+
+def _set_title(axes: Axes, title: str, letter: str) -> None:
+    """Set the title of a panel, with a bold letter before it; the letter may be empty."""
+    text = f"$\\bf{{{letter}}}$  {title}" if letter else title
+    axes.set_title(text, loc="left", fontsize=8.5, pad=17.0)
 
 
 def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **place: Any) -> None:
