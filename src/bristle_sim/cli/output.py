@@ -126,9 +126,9 @@ def ending_in_order() -> Iterator[None]:
 def _end(number: int, frame: FrameType | None) -> None:
     """Handle a signal by raising the exception that ends the computation.
 
-    Python discards an exception that is raised in a callback of the physics engine, and the engine's
-    memory must not be freed by half. If the signal arrives within pymunk, it is repeated a little
-    later instead.
+    Python discards an exception that is raised in a callback of the physics engine, and the
+    engine's memory must not be freed by half. If the signal arrives within pymunk, it is repeated a
+    little later instead.
     """
     while frame is not None:
         module = frame.f_globals.get("__name__", "")

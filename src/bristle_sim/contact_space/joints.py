@@ -1,10 +1,11 @@
 """Velocity constraints of pymunk's joints, and the nearest velocities that obey them.
 
-A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y) of each body's mass centre and its
-angular velocity. A joint transmits an impulse only if its force has no bound. In an instantaneous
-impact springs, joints with a finite ``max_force`` and joints outside a space transmit no impulse.
-Limits (of slide, groove, rotary limit and ratchet joints) push in one direction only, while they
-are reached. The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
+A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y) of each body's mass centre and
+its angular velocity. A joint transmits an impulse only if its force has no bound. In an
+instantaneous impact springs, joints with a finite ``max_force`` and joints outside a space transmit
+no impulse. Limits (of slide, groove, rotary limit and ratchet joints) push in one direction only,
+while they are reached. The signs are those of the Chipmunk sources (cpSlideJoint.c and its
+siblings).
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components
@@ -135,8 +136,8 @@ def scaled_columns(
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have zero inverse mass.
 
     Returns:
-        M^-1/2 J^T, shape (3 * len(bodies), rows), with the mass matrix M and the Jacobian J; and the
-        diagonal of M^-1/2.
+        M^-1/2 J^T, shape (3 * len(bodies), rows), with the mass matrix M and the Jacobian J; and
+        the diagonal of M^-1/2.
     """
     places = {each: 3 * at for at, each in enumerate(bodies)}
     masses = [number for each in bodies for number in (each.mass, each.mass, each.moment)]
@@ -272,8 +273,8 @@ def joint_basis(
     Limits that are reached are treated as rigid.
 
     Returns:
-        The basis, shape (3 * len(bodies), rank), in coordinates scaled by the square root of the mass; and
-        the inverse square root of the mass for each coordinate.
+        The basis, shape (3 * len(bodies), rank), in coordinates scaled by the square root of the
+        mass; and the inverse square root of the mass for each coordinate.
     """
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)

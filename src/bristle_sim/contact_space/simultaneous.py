@@ -48,8 +48,8 @@ def resolve_at_once(
     """Resolve the impacts at all contact points of connected bodies at once.
 
     The function changes the velocities of the bodies. The impact takes place at the end of the
-    step; the engine's velocities are those of half a step later. A point that approaches no faster than
-    ``resting`` has no restitution.
+    step; the engine's velocities are those of half a step later. A point that approaches no faster
+    than ``resting`` has no restitution.
 
     Returns:
         The impact of each point. The work done at all points adds up to the change of the kinetic

@@ -52,11 +52,11 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
     """Return the hub angle chi from the bar's direction (rad) at which an undeflected wire first
     touches the bar.
 
-    All lengths are divided by the bristle's length: the hub's radius rho is ``radius``, the distance
-    S from the hub's axis to the bar's centre is ``distance``, and the sum R of the radii of bar and
-    wire is ``reach``. The wire touches with its flank where S sin chi = -R, and with its end where
-    S^2 + (1 + rho)^2 - 2 S (1 + rho) cos chi = R^2. The angle is infinite if the wire is too short
-    to reach the bar.
+    All lengths are divided by the bristle's length: the hub's radius rho is ``radius``, the
+    distance S from the hub's axis to the bar's centre is ``distance``, and the sum R of the radii
+    of bar and wire is ``reach``. The wire touches with its flank where S sin chi = -R, and with its
+    end where S^2 + (1 + rho)^2 - 2 S (1 + rho) cos chi = R^2. The angle is infinite if the wire is
+    too short to reach the bar.
     """
     foot = np.sqrt(np.maximum(distance**2 - reach**2, 0.0)) - radius
     cosine = (distance**2 + (1.0 + radius) ** 2 - reach**2) / (2.0 * distance * (1.0 + radius))
@@ -212,7 +212,8 @@ def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array
 
     By the law of cosines the angle eta obeys cos eta = (D^2 + 1 - R^2)/(2 D), with the length 1 of
     the wire, the distance D of the bar's centre from the root, and the distance R of the wire's end
-    from the bar's centre. ``square``, ``square_1`` and ``square_2`` are D^2 and its two derivatives.
+    from the bar's centre. ``square``, ``square_1`` and ``square_2`` are D^2 and its two
+    derivatives.
     """
     rest = 1.0 - passes.reach**2
     distance = np.sqrt(square)

@@ -57,8 +57,8 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
     """Advance every bristle in flight by one step, or to its first touch within the step.
 
     Returns:
-        The code of each pass's state at the end of the step, and the smallest gap at which each wire passed
-        an obstacle without a touch, over the bristle's length.
+        The code of each pass's state at the end of the step, and the smallest gap at which each
+        wire passed an obstacle without a touch, over the bristle's length.
     """
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)

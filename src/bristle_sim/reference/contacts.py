@@ -192,7 +192,8 @@ class WirePairs:
         arms = np.array(places) * chain.ends[list(wires)] / chain.length
         ends, carried = chain.points(motion, list(wires), arms)
         normal = complex(ends[0] - ends[1]) / distance
-        # An end moves with its wire; the normal turns with the flank, or with the line from end to end.
+        # An end moves with its wire; the normal turns with the flank, or with the line from end to
+        # end.
         if 0.0 < places[1 - end] < chain.length:
             spin = float(motion.rates[wires[1 - end]])
         else:

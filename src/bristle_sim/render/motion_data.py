@@ -48,7 +48,8 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 
     The data hold the motion at chosen times, the nodes. Between nodes the page interpolates centre
     line and retraction by cubic Hermite polynomials, and the force linearly. Two nodes at the same
-    time are the motion before and after a jump. ``drawn`` states the number of nodes and the errors.
+    time are the motion before and after a jump. ``drawn`` states the number of nodes and the
+    errors.
     """
     end = story_end(run)
     intervals, error = _intervals(run, end)
@@ -56,7 +57,8 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     nodes = 1 + begins.shape[1]
     jumps = np.abs(begins[:, 1:] - ends[:, :-1]).max(axis=(0, 2)) > JUMP
     kept = np.stack([np.ones(nodes - 1, dtype=bool), np.append(jumps, True)], axis=1)
-    # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to keep a page small.
+    # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to
+    # keep a page small.
     places, slopes = np.moveaxis(intervals, 0, 2)[:, kept]
     bar = None
     if tool.bar is not None:
@@ -140,7 +142,8 @@ def _errors(run: Trajectory, motion: Interpolation, intervals: Array) -> Array:
     length = (q - p)[:, :1]
     time = (p + s * length)[:, 0] / MILLISECONDS
     true, velocity = _states(motion(time))
-    # Hermite's cubic from values and slopes at both ends, and its slope; of the force a straight line.
+    # Hermite's cubic from values and slopes at both ends, and its slope; of the force a straight
+    # line.
     place = (
         q
         + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q)

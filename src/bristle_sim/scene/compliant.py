@@ -101,7 +101,8 @@ class CompliantLaw(ContactLaw):
         rigid = impact_at(point, touch.velocity, pair)
         unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
         fastest = max(1.0, *map(abs, state.rates))
-        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a mean there.
+        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a
+        # mean there.
         compliance = (
             self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
         )
@@ -115,7 +116,8 @@ class CompliantLaw(ContactLaw):
             return None
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
-        # The stiffness belongs to the surface: later touches have the same one, except in the rigid-body limit.
+        # The stiffness belongs to the surface: later touches have the same one, except in the
+        # rigid-body limit.
         stiffness = self.stiffness or stiffness_for_duration(rigid, approach, restitution, duration)
         self.stiffness = self.stiffness if self.duration is None else stiffness
         longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))

@@ -100,7 +100,8 @@ def _sense_after(system: System, event: Happening) -> int:
         return int(event.detail)
     if event.kind is Kind.BREAKS_AWAY:
         return -1 if contact.tangential > 0.0 else 1
-    # Geometry and hub alone determine how a single link slips: its slip reverses where several links may stick.
+    # Geometry and hub alone determine how a single link slips: its slip reverses where several
+    # links may stick.
     return -(contact.slip or 0) if system.mechanism.single_link else 0
 
 
@@ -182,7 +183,8 @@ def _contact_begun(
     began = None
     if all(contact.pair is not pair for contact in motion.contacts):
         if rests and not system.mechanism.single_link:
-            # Coupled links would excite each other's small rebounds for ever: all touching links come to rest together.
+            # Coupled links would excite each other's small rebounds for ever: all touching links
+            # come to rest together.
             began = ActiveContact(pair)
         elif not system.law_of(pair).instantaneous and -system.approach(pair) > system.slow:
             began = begin_spring(system, motion, pair)
@@ -231,7 +233,8 @@ def _after_spring_event(
         system.sample()
         jam(system, pair)
         return Motion(staying)
-    # A spring without restitution pushes no more: where the tip is pressed on, it touches the ground of its dent.
+    # A spring without restitution pushes no more: where the tip is pressed on, it touches the
+    # ground of its dent.
     spent = outcome is Outcome.NO_REBOUND and not system.follows_law(spring)
     leaves = outcome is Outcome.REBOUND and system.approach(pair) > system.slow
     again = None if leaves else pressed_on(system, Motion(staying), pair)

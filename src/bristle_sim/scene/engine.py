@@ -187,7 +187,8 @@ class EngineSpace:
         """
         for joint in self.joints:
             joint.max_force = 0.0
-        # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
+        # The first step still applies them, to bodies that are put back; the second leaves those of
+        # contacts right.
         for _ in range(2):
             self._kept.keep()
             self._engine_step(length)

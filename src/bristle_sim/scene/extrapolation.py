@@ -243,7 +243,8 @@ class Extrapolation:
             values = [sum(map(mul, weights, each)) for each in columns[: 2 * links]]
             values += [sum(map(mul, others, each)) for each in columns[2 * links :]]
             if error == math.inf:
-                # The engine turns a body at its old angle to the place that is set; a second placing is free of NaN.
+                # The engine turns a body at its old angle to the place that is set; a second
+                # placing is free of NaN.
                 scene.put(None)
             if halved:
                 best = [sum(map(mul, weights, each)) for each in zip(*halves, strict=True)]

@@ -227,7 +227,8 @@ class EngineLaw(ContactLaw):
             state,
             rates,
             outcome="rebound" if velocity[0] > 0.0 else "no rebound",
-            # The sign of the engine's impulse depends on the order of the shapes; a contact only pushes.
+            # The sign of the engine's impulse depends on the order of the shapes; a contact only
+            # pushes.
             impulse=(push, rub) if push >= 0.0 else (-push, -rub),
             compressive_impulse=None,
             compressive_work=None,

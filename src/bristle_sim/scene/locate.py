@@ -309,8 +309,8 @@ def locate(
     position with the weights of Anderson and Bjorck.
 
     At the returned time the magnitude of the function is at most ``tolerance``, or this time is the
-    later end of the shortest bracket of the root. After ``MOST_LINES`` evaluations, as at a jump, the
-    bracket is bisected.
+    later end of the shortest bracket of the root. After ``MOST_LINES`` evaluations, as at a jump,
+    the bracket is bisected.
 
     N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264.
     Where two successive values have the same sign, the stored value at the other end of the bracket

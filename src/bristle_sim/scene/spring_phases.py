@@ -57,9 +57,10 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
     """Return a new contact with a spring for a tip that is left at rest on the surface; None if no
     force presses the tip against it.
 
-    The tip is that of a wire of one link whose last contact has just ended. A static load compresses the spring by the load over the stiffness. Where the belt is the load
-    and the contact is not very short, this compression exceeds the accuracy. Without restitution
-    the spring is compressed again after each contact.
+    The tip is that of a wire of one link whose last contact has just ended. A static load
+    compresses the spring by the load over the stiffness. Where the belt is the load and the contact
+    is not very short, this compression exceeds the accuracy. Without restitution the spring is
+    compressed again after each contact.
     """
     own = set(system.wires_of(pair))
     coupled = any(own & set(system.wires_of(contact.pair)) for contact in motion.contacts)
@@ -148,7 +149,8 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
                 # Without friction the point swings.
                 spring.slip = 0 if spring.friction else -sense
             stopped = not (spring.elastic or spring.slip) and _ends_in_stiction(system, spring)
-            # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
+            # Slip and compression of one degree of freedom stop together, up to the motion during
+            # the contact.
             at_touch = -system.closest(spring.pair, spring.start).velocity[0]
             together = -system.approach(spring.pair) <= STOPS_TOGETHER * at_touch
             if spring.loading and (stopped or together):
@@ -178,10 +180,11 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
 
     Friction then holds the normal velocity at zero. This happens where the friction of restitution
     would press the contact point deeper and the friction of compression would lift it. Neither
-    unloading nor further loading is then consistent, so the friction force is between the two. If friction presses
-    the point into the surface, the friction of restitution is the larger one. If the other bodies
-    press it in against friction, the friction of restitution is the smaller one. With a tangential
-    spring the force oscillates between the two; the mean of a fast oscillation is the same.
+    unloading nor further loading is then consistent, so the friction force is between the two. If
+    friction presses the point into the surface, the friction of restitution is the larger one. If
+    the other bodies press it in against friction, the friction of restitution is the smaller one.
+    With a tangential spring the force oscillates between the two; the mean of a fast oscillation is
+    the same.
     """
     coupling = spring.inverse_mass[0][1]
     law = spring.law

@@ -34,13 +34,13 @@ FINEST_DIRECTION = 1e-11  # Tolerance of the root, rad: the error of the lag at 
 FINEST_MAXIMUM = (
     1e-5  # Tolerance of the maximum, rad: the speed changes by its square, less than any accuracy
 )
-# Distance between the directions of the first survey, rad: of passes in arrays, and of passes simulated one by one. No
-# range of directions with a strike is narrower.
+# Distance between the directions of the first survey, rad: of passes in arrays, and of passes
+# simulated one by one. No range of directions with a strike is narrower.
 STEP = math.radians(0.5)
 COARSE_STEP = math.radians(4.0)
 LAG_JUMP = 1e-4  # Largest lag at a root, deg. Where the bristle just misses the bar the lag jumps: no root.
-# Angle beyond radial, deg, that a bristle must reach for some direction. A bristle that creeps to rest passes radial by
-# rounding error alone.
+# Angle beyond radial, deg, that a bristle must reach for some direction. A bristle that creeps to
+# rest passes radial by rounding error alone.
 SWUNG = 0.01
 
 NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"

@@ -39,9 +39,9 @@ QUANTITIES = {
     "highest_tip_speed": ("highest tip speed", "m/s"),
 }
 
-# Offsets of the reference's directions from the directions found by simulation, rad. SECANT: of two directions, between
-# which the reference's root is interpolated linearly, to 1e-10. PARABOLA: of three directions, through which a parabola
-# gives the reference's maximum, to 1e-6.
+# Offsets of the reference's directions from the directions found by simulation, rad. SECANT: of two
+# directions, between which the reference's root is interpolated linearly, to 1e-10. PARABOLA: of
+# three directions, through which a parabola gives the reference's maximum, to 1e-6.
 SECANT = 1e-5
 PARABOLA = 1e-3
 

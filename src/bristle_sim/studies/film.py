@@ -36,8 +36,8 @@ from bristle_sim.trajectory import Trajectory
 
 # Time simulated after the first touch, s: one and a half periods of the wire's first bending mode
 FOLLOWED = 5e-4
-# Measured values by film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches; time from the first
-# touch to its deepest penetration, s; depth of the deepest crater, m.
+# Measured values by film (Zhang 2020, sec. 3.3) and micrograph (fig. 4.13): number of touches; time
+# from the first touch to its deepest penetration, s; depth of the deepest crater, m.
 MEASURED = {
     "touches": 1.0,
     "compression_time": PRINTED_COMPRESSION,
@@ -58,10 +58,11 @@ NEAREST = {
 }
 """Position of the nearest point on the map: label and unit."""
 
-# Largest relative difference at which a measured value counts as explained: about the reading error of film and
-# micrograph
+# Largest relative difference at which a measured value counts as explained: about the reading error
+# of film and micrograph
 EXPLAINED = 0.1
-# Contact duration of the passes that find the instant of the strike, s; it has no effect before the strike
+# Contact duration of the passes that find the instant of the strike, s; it has no effect before the
+# strike
 ANY_DURATION = 1e-4
 
 

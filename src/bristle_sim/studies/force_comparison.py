@@ -3,8 +3,8 @@ contact of the bristle.
 
 The curve (3.19) belongs to a ball on a plate and is transferred to the bristle. The simulated
 contact is a spring, with the same compressive impulse and compression time. A curve of the form
-(3.3) fitted to a measured record may replace (3.19). Whether the record has that form is shown by the
-residuals of the fit, less the noise, which is estimated from second differences.
+(3.3) fitted to a measured record may replace (3.19). Whether the record has that form is shown by
+the residuals of the fit, less the noise, which is estimated from second differences.
 """
 
 import math
@@ -215,7 +215,8 @@ def _misfit(measured: MeasuredForce) -> Quantity:
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's
     peak = measured.fit.curve.peak_force()
     noise = float(second @ second) / 6.0 / second.size / peak**2
-    # Over n points, squared residuals have a variance of 2 noise^2/n, squared second differences of 3.9 noise^2/n.
+    # Over n points, squared residuals have a variance of 2 noise^2/n, squared second differences of
+    # 3.9 noise^2/n.
     chance = CERTAIN * math.sqrt(6.0 / measured.force.size) * noise
     misfit = math.sqrt(max(0.0, (measured.fit.root_mean_square / peak) ** 2 - noise))
     within = math.sqrt(FORM**2 + chance)

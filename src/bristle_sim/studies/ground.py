@@ -93,8 +93,8 @@ class Ground:
     def strike(self, x: float, y: float, depth: float) -> None:
         """Cut one crater into the ground.
 
-        On a plane its outline would have its middle at (x, y), in m, and its depth would be ``depth``,
-        m.
+        On a plane its outline would have its middle at (x, y), in m, and its depth would be
+        ``depth``, m.
         """
         if len(self.taken) % HIGHEST_EVERY == 0:
             self._highest = float(self.heights.max())

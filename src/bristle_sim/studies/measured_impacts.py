@@ -34,9 +34,9 @@ RADIUS = 0.0025
 FRICTION = 0.092
 RESTITUTION = 0.98
 
-# Pairs (angle of incidence from the normal, deg, measured value) by Kharaz et al. 2001. The values are
-# the centre's tangential velocity after over before the impact, the spin after it (rad/s), and the
-# angle from the normal at which the centre rebounds (deg).
+# Pairs (angle of incidence from the normal, deg, measured value) by Kharaz et al. 2001. The values
+# are the centre's tangential velocity after over before the impact, the spin after it (rad/s), and
+# the angle from the normal at which the centre rebounds (deg).
 MEASURED_SPHERES = {
     "restitution": np.array([
         (1.84, 0.79344), (3.703, 0.74533), (9.496, 0.67257), (20.012, 0.59691), (30.127, 0.68756), (39.382, 0.77148),

@@ -29,7 +29,8 @@ from bristle_sim.studies.sweep_workers import Outcomes, client_of, evaluated
 from bristle_sim.units import shown
 
 WRITTEN_EVERY = 1.0  # Time between two writes of finished points, s; a killed program loses the work since the last
-# Time after which a sweep shows its progress, s; if standard error is no terminal, also the time between two lines
+# Time after which a sweep shows its progress, s; if standard error is no terminal, also the time
+# between two lines
 PATIENCE = 5.0
 MOST_WORKERS = 1024  # Largest number of processes: more than a computer has cores
 

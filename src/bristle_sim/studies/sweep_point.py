@@ -23,8 +23,8 @@ FAILURE = "failure"  # Name of the variable with the reason why a point lacks re
 LOST = "lost with its worker"
 # Environment variables of the libraries that start threads of their own
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-# Time after which a worker returns the points that it has finished, s. If it is killed, the points that it has not
-# returned are lost.
+# Time after which a worker returns the points that it has finished, s. If it is killed, the points
+# that it has not returned are lost.
 TURN = 0.3
 
 

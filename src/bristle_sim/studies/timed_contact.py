@@ -203,7 +203,8 @@ def timed_contact(
     speed = bristle.length * (rate or 0.0) + hub.radius * hub.speed
     if impulse is not None:
         requested = [compression_time, impulse]
-        # A first guess by the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8).
+        # A first guess by the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and
+        # 3.8).
         own = normal_compressive_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
         speed = impulse / (math.hypot(1.0, surface.friction) * float(own))
 

@@ -46,10 +46,11 @@ OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_wor
 
 # The two percentiles between which an output lies with a probability of 95 %
 ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
-# Number of sequences with independent scramblings. The interval of their mean is then a seventh wider than if their
-# scatter were known exactly.
+# Number of sequences with independent scramblings. The interval of their mean is then a seventh
+# wider than if their scatter were known exactly.
 SEQUENCES = 16
-# Number of passes of one call. Their arrays stay in the processor's cache; twice as many passes take a fifth longer each.
+# Number of passes of one call. Their arrays stay in the processor's cache; twice as many passes
+# take a fifth longer each.
 BATCH = 8192
 
 

@@ -29,11 +29,11 @@ from bristle_sim.trajectory import Trajectory
 
 # Largest number of simulated revolutions. In flight the swing decays by exp(-2 pi zeta) in a period.
 MOST_TURNS = 24
-# Largest change of the state, rad, over a revolution that counts as repeating the one before. The state
-# is the angle, and the rate divided by the natural angular frequency.
+# Largest change of the state, rad, over a revolution that counts as repeating the one before. The
+# state is the angle, and the rate divided by the natural angular frequency.
 REPEATED = 1e-9
-# Ratio of the error of a revolution to the requested accuracy: some ten flights and contacts, each with
-# an error of ten times the accuracy
+# Ratio of the error of a revolution to the requested accuracy: some ten flights and contacts, each
+# with an error of ten times the accuracy
 MAGNIFIED = 100.0
 # Smallest relative tolerance. Splines through 150, 300 and 600 samples a period integrate the forces
 # with measured errors of 1e-6, 6e-8 and 4e-9.

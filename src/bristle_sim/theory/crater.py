@@ -68,8 +68,8 @@ def merchant_crater_depth(
 
     This is eq. 4.50 of Zhang (2020), with the force R(t) and the width b(t) of the dissertation. By
     default the angles of the cut follow from ``friction`` and ``impact_angle`` without rounding;
-    ``PRINTED_ANGLES`` are the rounded angles that eq. 4.52 prints. Raises ShearAngleError where the friction
-    is below tan(impact_angle), unless ``angles`` are given.
+    ``PRINTED_ANGLES`` are the rounded angles that eq. 4.52 prints. Raises ShearAngleError where the
+    friction is below tan(impact_angle), unless ``angles`` are given.
 
     Args:
         friction: coefficient of friction while cutting.
@@ -145,7 +145,8 @@ def friction_for_crater_depth(
         * _ply_sum(plies, COMPRESSION_TIME, PRINTED_FACE.short_axis)
     )
     sine = 1.0 - 2.0 * np.asarray(depth) / scale
-    # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
+    # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is
+    # -gamma.
     given = (sine <= np.cos(2.0 * gamma) + DEPTH_ROUNDING) & (sine > -np.sin(gamma))
     require(
         "depth", depth, given, "must be the depth for some friction >= tan(impact_angle) (in m)"

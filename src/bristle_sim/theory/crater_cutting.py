@@ -152,7 +152,8 @@ def depth_from_force(
 
     def excess(root: Number) -> tuple[Number, Number]:
         """Return the scaled area of the cut at a depth less the given area, and its derivative."""
-        # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y = 1.22.
+        # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y =
+        # 1.22.
         rest = np.sqrt(2.0 - root**2)
         return root**3 * rest - fraction, 3.0 * root**2 * rest - root**4 / rest
 

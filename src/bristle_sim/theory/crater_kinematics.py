@@ -140,8 +140,8 @@ class TipFace:
 class CuttingWidth:
     """Width of the cut as a function of the time since first touch (Zhang 2020, eq. 4.16).
 
-    It is b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, with t in s. The defaults are the values
-    printed in the dissertation.
+    It is b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, with t in s. The defaults are the
+    values printed in the dissertation.
 
     Attributes:
         half_width: radius h of the wire, m.

@@ -32,9 +32,9 @@ LEAD_RATIO = 0.1  # lead t_o over the duration t_f of the contact (Zhang 2020, b
 class ForceCurve:
     """Force history of an impact, an exponential times a shifted cosine (Zhang 2020, eq. 3.3).
 
-    It is F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N, with the time
-    t since first touch. The amplitude is dimensionless, the decay in 1/s, offset and swing in N,
-    lead and period in s, with lead < period/2. F is 0 at first touch if offset = swing cos(2 pi
+    It is F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N, with the
+    time t since first touch. The amplitude is dimensionless, the decay in 1/s, offset and swing in
+    N, lead and period in s, with lead < period/2. F is 0 at first touch if offset = swing cos(2 pi
     lead/period), as in (3.3).
 
     Without decay the curve of ``of_impact`` is highest in the middle. Its peak is the argument

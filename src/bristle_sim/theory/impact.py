@@ -176,8 +176,8 @@ def newton_impact(
     The normal velocity after the impact is -e times the normal velocity before it. Arguments,
     result and errors are those of ``energetic_impact``. This law serves for comparison: where slip
     stops or reverses, the impact can gain energy, as in Kane and Levinson's double pendulum
-    (*Dynamics: Theory and Applications*, 1985). The tangential compliance must be 0, since springs do not prescribe the
-    velocity of separation.
+    (*Dynamics: Theory and Applications*, 1985). The tangential compliance must be 0, since springs
+    do not prescribe the velocity of separation.
 
     A body of 1 kg that approaches at 2 m/s leaves at half that speed.
 

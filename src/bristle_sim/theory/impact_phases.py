@@ -299,7 +299,8 @@ def _phase(
     normal_rate = mass.stick - mass.stick_ratio * tangential_rate
     if target is not None:
         at_rest = (slip * mass.coupling > 0.0) & (normal_rate <= 0.0)
-        # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree of freedom.
+        # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree
+        # of freedom.
         slowing = -mass.stick * mass.tangential * inverse(mass.coupling)
         ratio = select(at_rest, -mass.normal * inverse(mass.coupling), ratio)
         normal_rate = select(at_rest, 0.0, normal_rate)

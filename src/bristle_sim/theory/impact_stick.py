@@ -7,10 +7,10 @@ In units in which the normal spring's loading stiffness is 1, a point in stick o
 
 with the velocity v, the normal and tangential force N and T, the inverse mass matrix K, and kappa =
 1 in loading, 1/e*^2 in unloading. With D = diag(kappa, 1/eta^2), w = D^(1/2) v and G = D^(-1/2) (N,
-T) this is w' = S G, G' = -w, with the symmetric S = D^(1/2) K D^(1/2). In the axes of the eigenvectors
-of S the motion is that of two oscillators with squared rates lambda_1 >= lambda_2 >= 0. Their
-product is det S = kappa/eta^2 K_tt (K_nn - K_nt^2/K_tt). The last factor, the compliance in stick,
-may be given to more digits than K holds. ``impact_events`` finds the end of stick.
+T) this is w' = S G, G' = -w, with the symmetric S = D^(1/2) K D^(1/2). In the axes of the
+eigenvectors of S the motion is that of two oscillators with squared rates lambda_1 >= lambda_2 >=
+0. Their product is det S = kappa/eta^2 K_tt (K_nn - K_nt^2/K_tt). The last factor, the compliance
+in stick, may be given to more digits than K holds. ``impact_events`` finds the end of stick.
 """
 
 from __future__ import annotations

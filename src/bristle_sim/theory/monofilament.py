@@ -152,8 +152,8 @@ def monofilament_impact(
 def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
     """Return the speed of a radial bristle's tip before the impact, m/s (Zhang 2020, eq. 2.24).
 
-    It is v_C = (R L + r_h) omega, with the ratio R of the bristle's rate to the hub speed omega, the
-    length L and the hub's radius r_h. The dissertation writes it kappa omega L (2.33).
+    It is v_C = (R L + r_h) omega, with the ratio R of the bristle's rate to the hub speed omega,
+    the length L and the hub's radius r_h. The dissertation writes it kappa omega L (2.33).
 
     In the dissertation R = 3.23, L = 27 mm and r_h = 27.5 mm, so that R L + r_h = 114.71 mm:
 

@@ -31,8 +31,8 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
         mu_bar = |sin 2 theta_1 + (n + 3) sin 2 theta_2 - 3 c sin(theta_1 + theta_2)|
                  / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
 
-    For n = 1 this is eq. 2.90 of Zhang (2020). Arrays broadcast. For theta_1 = theta_2 = theta it is
-    tan theta for every n (2.111).
+    For n = 1 this is eq. 2.90 of Zhang (2020). Arrays broadcast. For theta_1 = theta_2 = theta it
+    is tan theta for every n (2.111).
 
     The dissertation's identical rods at 20 and 30 deg:
 

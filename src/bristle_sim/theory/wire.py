@@ -118,8 +118,9 @@ def beam_frequencies(
         sine, cosine = math.sin(wave), math.cos(wave)
         return sine - cosine * math.tanh(wave) - ratio / wave * (inverse + cosine)
 
-    # Each mode lies between that of the hinged beam, near (j - 3/4) pi, and that of the cantilever, near (j - 1/2) pi. The
-    # first one is (3 ratio)^(1/4) for a small ratio, and at most the cantilever's 1.8751.
+    # Each mode lies between that of the hinged beam, near (j - 3/4) pi, and that of the cantilever,
+    # near (j - 1/2) pi. The first one is (3 ratio)^(1/4) for a small ratio, and at most the
+    # cantilever's 1.8751.
     low = min(1.0, 0.5 * (3.0 * ratio) ** 0.25)
     rigid = ratio < RIGID
     first = (

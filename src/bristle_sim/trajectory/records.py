@@ -225,8 +225,8 @@ class ContactRecord:
         neighbour: number of the other bristle in its row, from 1 for the foremost bristle; None for
             any other obstacle.
         point: part of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
-            links), or ``flank`` (between corners). It is empty for a contact of two wires, and for a
-            single contact that is not part of a pass.
+            links), or ``flank`` (between corners). It is empty for a contact of two wires, and for
+            a single contact that is not part of a pass.
         place: position of that point on the wire's centre line at the start, (x, y) from the hub's
             centre, m; None where ``point`` is empty.
     """
