@@ -26,7 +26,7 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE,
 from bristle_sim.render.style import MILLISECONDS, Look, axes_at, blank_figure, note, styled
 
 WIDTH = 16.0  # printed width of the page's text, cm
-PANEL = (6.3, 5.6)
+PANEL = (6.1, 5.6)
 HEAD = 1.35
 ROW = 11.4
 LEGEND = 1.05
