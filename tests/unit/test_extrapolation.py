@@ -17,7 +17,7 @@ from bristle_sim.scene import extrapolation as repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.strike import run
+from bristle_sim.scene.simulate import run
 from bristle_sim.scene.system import Plan, Recording, System
 
 REFEREE = 1e-13

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
@@ -18,7 +19,7 @@ def closed(
 ) -> tuple[ClosedPair, RigidContacts]:
     """A closed contact, and the forces that keep it closed."""
     contact = ClosedPair(pair)
-    rigid = RigidContacts(Scene(mechanism, Effects(pairs=(pair,))), [contact], paired=True)
+    rigid = RigidContacts(Scene(mechanism, Effects(pairs=(pair,))), [contact])
     rigid.engage(state)
     return contact, rigid
 
@@ -49,6 +50,27 @@ def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
         )
         rigid.set_slip(state, contact, 1e-6)
         assert contact.slip == -1
+
+
+def test_forces_on_several_links_are_read_after_an_odd_number_of_plain_steps() -> None:
+    """Two rods of mass and length 1 at rest, their tip on a plane: N = -J M^-1 Q/(J M^-1 J), by Lagrange's equations."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)))
+    state = State(0.0, (0.7, 0.2), (0.0, 0.0))
+    depth = math.cos(0.7) + math.cos(0.2)
+    pair = WorkpartPair(depth, 0.0, 0.0, 0.0)
+    scene = Scene(mechanism, Effects(pairs=(pair,), gravity=1.0))
+    rigid = RigidContacts(scene, [ClosedPair(pair)])
+    rigid.engage(state)
+    scene.place(state)
+    rigid.begin(1e-6)
+    scene.step(1e-6, 3)
+    coupling = 0.5 * math.cos(0.5)
+    mass = np.array([[4.0 / 3.0, coupling], [coupling, 1.0 / 3.0]])
+    load = -np.array([1.5 * math.sin(0.7), 0.5 * math.sin(0.2)])
+    lever = np.array([math.sin(0.7), math.sin(0.2)])
+    force = -(lever @ np.linalg.solve(mass, load)) / (lever @ np.linalg.solve(mass, lever))
+    # The steps move the rods by 1e-11.
+    assert sums_of(rigid.totals(), 0).normal == pytest.approx(force, rel=1e-6)
 
 
 @pytest.mark.parametrize("slip", [1, -1])

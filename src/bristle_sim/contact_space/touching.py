@@ -109,9 +109,9 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return the time from an instant in the step to the engine's velocities, in steps.
+        """Return how long after an instant the engine's velocities hold, as a number of steps.
 
-        ``time`` is the time from the instant to the end of the step. The engine's velocities are
+        ``time`` is the time from the instant to the end of the step. The engine's velocities hold
         half a step after this end.
         """
         return time / self.duration + 0.5 if self.duration else 0.5

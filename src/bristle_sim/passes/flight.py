@@ -23,7 +23,7 @@ from bristle_sim.passes.motion import (
     pose_of,
     step_length,
 )
-from bristle_sim.passes.state import BAR, FLIES, FOLDS, WORKPART, Chosen, Passes
+from bristle_sim.passes.state import BAR, FLIES, FOLDS, QUARTER_TURN, WORKPART, Chosen, Passes
 
 LEAST_BEND = 0.1
 """Distance of the wire's centre line from the bar's centre at a touch, over the bristle's length,
@@ -74,7 +74,7 @@ def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
         margin = np.minimum(margin, least)
         kind[closing <= place] = obstacle
         place = np.minimum(place, closing)
-    folded = np.abs(samples.angle) > 0.5 * np.pi
+    folded = np.abs(samples.angle) > QUARTER_TURN
     if folded.any():
         kind[(folded & (samples.turn <= place)).any(axis=0)] = FOLDS
     note_retraction(passes, course.motion, samples, place)

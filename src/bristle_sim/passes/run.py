@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from bristle_sim.arrays import Array
@@ -11,7 +9,17 @@ from bristle_sim.passes.bar import flank_window, half_turn, levers, lying
 from bristle_sim.passes.flight import fly
 from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.slide import slide
-from bristle_sim.passes.state import FLIES, FOLDS, LOCKED, MISSED, TOO_MANY, Chosen, Passes
+from bristle_sim.passes.state import (
+    FLIES,
+    FOLDS,
+    LEAST,
+    LOCKED,
+    MISSED,
+    QUARTER_TURN,
+    TOO_MANY,
+    Chosen,
+    Passes,
+)
 from bristle_sim.theory.impact import energetic_end
 from bristle_sim.theory.impact_phases import JAM, resolve_phases
 
@@ -34,8 +42,6 @@ bar."""
 
 MOST_TOUCHES = 3000  # most touches of the bar in a pass; a restitution near 1 gives endlessly many
 
-# Lower bound of a speed, over the bristle's length and per radian, against a division by zero
-LEAST_SPEED = 1e-300
 ROUNDING = 1e-15  # rounding error of an angle that follows from geometry, rad
 
 
@@ -51,7 +57,7 @@ def advance(passes: Passes, accuracy: float) -> Chosen:
 
 def _folds(passes: Passes) -> Chosen:
     """Return whether each wire is ahead by more than a quarter turn, or was ever behind by more."""
-    return np.maximum(passes.angle, -passes.lowest) > 0.5 * math.pi
+    return np.maximum(passes.angle, -passes.lowest) > QUARTER_TURN
 
 
 def touch_bar(passes: Passes, accuracy: float) -> Chosen:
@@ -79,7 +85,7 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     held = lying(passes, passes.hub_angle, side, at_end)
     parting = np.maximum(hit.velocity_normal, 0.0)
     pressed = np.abs(normal) * held.pressure
-    speed = np.maximum(-approach, LEAST_SPEED)
+    speed = np.maximum(-approach, LEAST)
     # An error of the angle shifts the touch, and so changes the rate.
     amplified = (1.0 + restitution) * np.abs(pressed) / (speed * passes.rate_scale)
     passes.error[:] = np.minimum(passes.error * (1.0 + amplified), 1.0)  # 1: any uncertainty

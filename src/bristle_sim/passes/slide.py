@@ -19,7 +19,16 @@ from bristle_sim.passes.flight import (
     note_retraction,
 )
 from bristle_sim.passes.motion import FRACTIONS, Function
-from bristle_sim.passes.state import BAR, FLIES, FOLDS, LOCKED, WORKPART, Chosen, Passes
+from bristle_sim.passes.state import (
+    BAR,
+    FLIES,
+    FOLDS,
+    LOCKED,
+    QUARTER_TURN,
+    WORKPART,
+    Chosen,
+    Passes,
+)
 
 
 def slide(passes: Passes, side: Array) -> Chosen:
@@ -67,7 +76,7 @@ def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chos
     samples = Samples(turns, found.angle, found.rate)
     stops = found.pressure <= 0.0
     stops[0] &= ~fresh
-    folds = np.abs(found.angle) > 0.5 * np.pi
+    folds = np.abs(found.angle) > QUARTER_TURN
     jams = np.zeros_like(stops)
     if passes.bar_friction.any():
         jams = locks(passes, passes.hub_angle + turns, found.angle, found.rate)

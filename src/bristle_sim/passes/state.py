@@ -19,6 +19,9 @@ FLIES, BAR, WORKPART, FOLDS, MISSED, LOCKED, TOO_MANY = range(7)
 folded by more than a quarter turn, by the end of the hub's turn, by friction on the bar, or by
 endless touches of the bar. ``BAR`` and ``WORKPART`` are also the codes of these obstacles."""
 
+QUARTER_TURN = 0.5 * np.pi  # relative angle beyond which a wire has folded, rad
+LEAST = 1e-300  # lower bound of a dimensionless speed or impulse, against a division by zero
+
 
 class Passes:
     """State and constants of passes under way.

@@ -8,7 +8,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.motion import free_acceleration
-from bristle_sim.passes.state import Chosen, Passes
+from bristle_sim.passes.state import LEAST, Chosen, Passes
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import JAM, REBOUND, Impact
 
@@ -23,8 +23,6 @@ OUTCOMES = (
 )
 REBOUNDS, REVERSES, STICKS, STAYS, JAMS, MISSES, REFUSED = range(len(OUTCOMES))
 """Outcomes of a pass in words, and their codes."""
-
-LEAST_SPEED = 1e-300  # lower bound of a speed or an impulse, against a division by zero
 
 
 class Blow(NamedTuple):
@@ -63,14 +61,14 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
     beside = _blow(passes, values, accuracy)
     size = np.hypot(blow.impact.impulse_normal, blow.impact.impulse_tangential)
     change = np.abs(beside.impact.impulse_normal - blow.impact.impulse_normal) / np.maximum(
-        size, LEAST_SPEED
+        size, LEAST
     )
 
     # An error of the angle shifts the instant of the strike, and so changes the state.
     turn = passes.hub_angle + passes.angle
     spin = 1.0 + passes.rate
     acceleration = free_acceleration(passes, passes.hub_angle, passes.angle, passes.rate)
-    normal = np.maximum(-blow.normal / (values["bristle_length"] * speed), LEAST_SPEED)
+    normal = np.maximum(-blow.normal / (values["bristle_length"] * speed), LEAST)
     shift = np.abs(np.sin(turn)) / normal
     error = passes.error * (1.0 + shift * (np.abs(acceleration) / passes.rate_scale + np.abs(spin)))
     error *= np.maximum(1.0, change / accuracy)

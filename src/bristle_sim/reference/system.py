@@ -23,6 +23,13 @@ TOUCHES = (STRIKE, "workpart touch", "bar touch", "wire touch")
 # turn, and 7e-15 in 80 turns.
 RATE_ROUNDING = 1e-13
 REST = 1e-10  # largest velocity that counts as rest, over the bound of all velocities
+REST_OF_FASTEST = 1e-3
+"""Fraction of the fastest rate of the tool that bounds the velocities from below, where the hub and
+all links are slow."""
+
+SLIP_ROUNDING = 1e-3
+"""Rounding error of a slip velocity, over the largest velocity that counts as rest: some hundred
+roundings of the bound of all velocities."""
 
 
 class System:
@@ -74,12 +81,12 @@ class System:
 
     def still(self, state: State) -> float:
         """Return the largest velocity that counts as rest, m/s."""
-        rates = (self.chain.speed, float(np.abs(state.rates).max()), self.fastest * 1e-3)
+        rates = (self.chain.speed, float(np.abs(state.rates).max()), REST_OF_FASTEST * self.fastest)
         return REST * self.size * max(rates)
 
     def slip_rounding(self, state: State) -> float:
         """Return the rounding error of a slip velocity, m/s."""
-        return 1e-3 * self.still(state)
+        return SLIP_ROUNDING * self.still(state)
 
     def rate_rounding(self, state: State) -> float:
         """Return the rounding error of a link's rate, rad/s.

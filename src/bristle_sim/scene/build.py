@@ -79,8 +79,8 @@ class Scene(EngineSpace):
         links, joints = _add_links(space, mechanism, hub)
         _add_springs(space, mechanism, effects, hub, links)
         belt = effects.damping if effects.stiffness is not None else 0.0
-        hinges = effects.hinges or ((0.0, 0.0),) * len(links)
-        damping = [belt, *(hinge for _, hinge in hinges[: mechanism.wire_links - 1])]
+        hinges = effects.hinges or ((0.0, 0.0),) * (mechanism.wire_links - 1)
+        damping = [belt, *(hinge for _, hinge in hinges)]
         make_solver = LinkVelocity if mechanism.single_link else WireVelocities
         solver = make_solver(mechanism, damping, hub, links)
         super().__init__(space, hub, links, joints, solver, several_links=mechanism.wire_links > 1)
@@ -161,7 +161,8 @@ def _add_springs(
             spring = (wire * mechanism.pitch, effects.stiffness, effects.damping)
             space.add(pymunk.DampedRotarySpring(hub, link, *spring))
     joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
-    for (stiffness, damping), (first, second) in zip(effects.hinges, joints, strict=False):
+    hinges = effects.hinges * mechanism.wires
+    for (stiffness, damping), (first, second) in zip(hinges, joints, strict=False):
         space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
 
 
@@ -196,7 +197,7 @@ def time_scale(scene: Scene) -> float:
     wire = scene.mechanism.wire(0)
     links = len(wire.links)
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
-    stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
+    stiffness = twists.T @ np.diag([each for each, _ in hinges]) @ twists
     mass = wire.mass_matrix(np.ones(links, complex))
     return 1.0 / math.sqrt(
         max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())

@@ -116,8 +116,8 @@ class CompliantLaw(ContactLaw):
             return None
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
-        # The stiffness belongs to the surface: later touches have the same one, except in the
-        # rigid-body limit.
+        # The stiffness belongs to the surface: later touches have the same one. In the rigid-body
+        # limit each touch of a single link has its own; it sets the time alone.
         stiffness = self.stiffness or stiffness_for_duration(rigid, approach, restitution, duration)
         self.stiffness = self.stiffness if self.duration is None else stiffness
         longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))

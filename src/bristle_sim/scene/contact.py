@@ -167,9 +167,8 @@ class ActiveContact(ClosedPair):
 class RigidContacts:
     """The rigid contacts of a smooth motion, whose forces are solved for together with the joints.
 
-    The motion ends when the normal force of a contact reaches zero. With ``paired`` true the steps
-    of several links are symmetric in time. Each force is then the mean of two steps, in which the
-    errors of odd and even steps cancel.
+    The motion ends when the normal force of a contact reaches zero. In steps that are symmetric in
+    time each force is the mean of two steps, in which the errors of odd and even steps cancel.
 
     Attributes:
         scene: the scene.
@@ -180,11 +179,11 @@ class RigidContacts:
 
     symmetric = True  # rigid contacts act alike forwards and backwards in time
 
-    def __init__(self, scene: Scene, closed: Sequence[ClosedPair], *, paired: bool) -> None:
+    def __init__(self, scene: Scene, closed: Sequence[ClosedPair]) -> None:
         self.scene = scene
         self.closed = closed
         self._solver = scene.joint_solver
-        self._paired = paired and scene.several_links
+        self._paired = False
         self._step = 0.0
 
     def engage(self, state: State) -> None:
@@ -198,9 +197,10 @@ class RigidContacts:
                 contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
         self.scene.keep_closed(self.closed)
 
-    def begin(self, step: float) -> None:
+    def begin(self, step: float, *, symmetric: bool = False) -> None:
         """Clear the impulses of the last interval; the solver records new ones in each step."""
         self._step = step
+        self._paired = symmetric
         self._solver.impulses = []
 
     def totals(self) -> list[float]:

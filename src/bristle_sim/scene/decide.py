@@ -122,7 +122,10 @@ def begin_motion(system: System, given: Motion) -> Motion:
     if ordered or (system.mechanism.wire_links > 1 and not springs):
         motion.limit = system.plan.first_interval
     if ordered:
-        motion.rigid = _closed_contacts(system, ordered, paired=not springs)
+        motion.rigid = _closed_contacts(system, ordered)
+        if system.mechanism.single_link and not springs:
+            # From here on the geometry gives angle and rate, whatever their errors before.
+            system.recording.error = system.recording.summed
     for contact in active:
         contact.start = contact.start or system.state
         contact.force = None
@@ -141,23 +144,16 @@ def begin_motion(system: System, given: Motion) -> Motion:
     return motion
 
 
-def _closed_contacts(
-    system: System, contacts: list[ActiveContact], *, paired: bool
-) -> RigidContacts:
+def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidContacts:
     """Move the links to the nearest state in which the rigid contacts are closed, set each
     contact's sense of slip, and return the contacts' forces.
-
-    ``paired``: whether no contact has a spring.
     """
-    rigid = RigidContacts(system.scene, contacts, paired=paired)
+    rigid = RigidContacts(system.scene, contacts)
     rigid.engage(system.state)
     for contact in contacts:
         if contact.slip is None and contact.pair.friction:
             rigid.set_slip(system.state, contact, system.slip_error(system.state))
     system.state = system.scene.joint_solver.set_back(system.state)
-    if system.mechanism.single_link and paired:
-        # From here on the geometry gives angle and rate, whatever their errors before.
-        system.recording.error = system.recording.summed
     rigid.engage(system.state)
     if min(rigid.compliance_in_slip(system.state, index) for index in range(len(contacts))) <= 0.0:
         _lock(system, contacts)

@@ -43,9 +43,11 @@ class Load(Protocol):
 
     symmetric: bool
 
-    def begin(self, step: float) -> Callable[[], None] | None:
-        """Reset impulses and work; return the callback to run before each step of the length
-        ``step``, or None if no callback is needed.
+    def begin(self, step: float, *, symmetric: bool = False) -> Callable[[], None] | None:
+        """Set impulses and work to zero; return the function to call before each step, or None if
+        no call is needed.
+
+        ``step`` is the length of a step; ``symmetric`` states whether steps are symmetric in time.
         """
 
     def totals(self) -> list[float]:
@@ -214,7 +216,7 @@ class Extrapolation:
         for row, count in enumerate(table.counts[: bisect(table.noise, self.noise)]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
-            act = None if load is None else load.begin(step)
+            act = None if load is None else load.begin(step, symmetric=symmetric)
             if halved:
                 halves.append(take(step, count // 2, act)[: 2 * links])
             values = take(step, count // 2 if halved else count, act)

@@ -55,7 +55,7 @@ class Interval:
         integrate_to: function that integrates from the start over a shorter time.
         start: state at the start.
         length: duration of the interval.
-        instant: longest time after the start that counts as at the start.
+        instant: tolerance of time; a time no longer than this after the start counts as the start.
     """
 
     __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")

@@ -169,7 +169,7 @@ def energies(
         velocity = pose.velocity + 1j * rate * pose.to_centre
         kinetic += 0.5 * link.mass * np.abs(velocity) ** 2 + 0.5 * link.inertia * rate**2
         potential += effects.gravity * link.mass * (pose.joint + pose.to_centre).imag
-    for number, (stiffness, _) in enumerate(effects.hinges[: len(mechanism.links) - 1]):
+    for number, (stiffness, _) in enumerate(effects.hinges):
         potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
     return kinetic, potential
 

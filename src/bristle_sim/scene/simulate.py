@@ -33,7 +33,7 @@ from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.motion import Motion, accept, integrate
 from bristle_sim.scene.results import trajectories_in_si
-from bristle_sim.scene.system import Plan, System
+from bristle_sim.scene.system import Plan, Recording, System
 from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool, contact_law
 from bristle_sim.scene.touches import first_event
 from bristle_sim.settings import EVENTS, Settings, StopReason, checked_name
@@ -107,10 +107,9 @@ def simulate(
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, parameters = prepare(tool, settings, begin, stop_after=stop_after)
-    for _ in run_by_intervals(system):
-        pass
-    (run,) = trajectories_in_si(tool, system, units, parameters)
-    return run
+    run(system)
+    (simulated,) = trajectories_in_si(tool, system, units, parameters)
+    return simulated
 
 
 def simulate_row(
@@ -152,9 +151,15 @@ def simulate_row(
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
     begin = (start_hub_angle, 0.0, 0.0)
     system, units, parameters = prepare(tool, settings, begin, row, stop_after=stop_after)
+    run(system)
+    return trajectories_in_si(tool, system, units, parameters)
+
+
+def run(system: System) -> Recording:
+    """Run a system from its present state to the plan's end, and return the recording."""
     for _ in run_by_intervals(system):
         pass
-    return trajectories_in_si(tool, system, units, parameters)
+    return system.recording
 
 
 def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]]:

@@ -113,11 +113,13 @@ class ContactLoad:
         self._parts: list[Load | SpringForce] = [] if rigid is None else [rigid]
         self._parts += [SpringForce(scene, spring) for spring in springs]
 
-    def begin(self, step: float) -> Callable[[], None]:
+    def begin(self, step: float, *, symmetric: bool = False) -> Callable[[], None]:
         """Set impulses and work to zero, and return the function that applies the forces.
 
-        The integrator calls this function before each time step of the length ``step``.
+        The integrator calls this function before each time step of the length ``step``. With
+        springs no step is symmetric in time.
         """
+        assert not symmetric
         begun = [each.begin(step) for each in self._parts]
         calls = [call for call in begun if call is not None]
         if len(calls) == 1:

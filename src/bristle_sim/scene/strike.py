@@ -21,8 +21,8 @@ from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.results import columns, contact_in_si, energies
-from bristle_sim.scene.simulate import run_by_intervals
-from bristle_sim.scene.system import SLOW_FRACTION, Plan, Recording, System
+from bristle_sim.scene.simulate import run
+from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
 from bristle_sim.scene.tool import Units, build_tool, contact_law
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import ContactRecord
@@ -162,13 +162,6 @@ UNSOLVED = {
 }
 
 
-def run(system: System) -> Recording:
-    """Run a system from its present state to the plan's end, and return the recording."""
-    for _ in run_by_intervals(system):
-        pass
-    return system.recording
-
-
 def struck(
     scene: Scene, start: State, pair: WorkpartPair, settings: Settings, law: ContactLaw
 ) -> tuple[ContactRecord, list[State]]:
@@ -263,8 +256,13 @@ def strike_wire(
         fastest = max(1.0, *map(abs, after.rates))
         stepper = Extrapolation(0.1 * settings.accuracy * fastest, longest=longest)
         end = after.time + flight / units.time
-        budget = settings.maximum_steps // 10
-        plan = Plan(end, settings.accuracy, None, longest, budget, single_contact=True)
+        plan = Plan(
+            end,
+            settings.accuracy,
+            longest_interval=longest,
+            maximum_steps=settings.maximum_steps // 10,
+            single_contact=True,
+        )
         states += run(System(scene, after, stepper, plan, [])).states[1:]
     return _in_si(scene, units, record, states, begin)
 

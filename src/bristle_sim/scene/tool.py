@@ -135,7 +135,7 @@ def build_tool(
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity * units.time / units.velocity,
         pairs=tuple(pairs),
-        hinges=wire_hinges(bristle, tool.belt.stiffness, units) * row.bristles,
+        hinges=wire_hinges(bristle, tool.belt.stiffness, units),
     )
     return Scene(mechanism, effects), units
 

@@ -269,8 +269,8 @@ def _report(
 ) -> Report:
     """Return the report on an impact.
 
-    ``sign`` is the sign of rates in the dissertation, relative to the simulation's, and ``turning``
-    is the name of the rod whose rate the answer states.
+    ``sign`` is +1 or -1; a simulated rate times ``sign`` is the rate in the sense that the
+    dissertation counts as positive. ``turning`` names the rod whose rate the answer states.
     """
     requested = impacts.strikes[impacts.contact.law]
     elastic = bool(impacts.contact.tangential_compliance)

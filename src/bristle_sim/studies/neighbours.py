@@ -202,7 +202,7 @@ def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
 
 
 def row_series(row: NeighbourRow) -> dict[str, Any]:
-    """Return the motion of a row for a table: time, hub angle of the foremost root, and every
+    """Return the motion of a row of bristles as columns of a table: time, hub angle of the foremost root, and every
     bristle's angle relative to the hub, at each sample.
     """
     angles = {

@@ -32,7 +32,7 @@ def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
     """Evaluate points for TURN seconds, at least one point, and return the outcomes of the finished
     points.
 
-    The points are pickled, since Dask would search a list of points for its futures. The function
+    The points are pickled, since Dask would search a list of points for futures. The function
     may be pickled too.
     """
     called = _unpickled(function) if isinstance(function, bytes) else function

@@ -157,9 +157,9 @@ def chain_modes(
     """Return the natural frequencies and the mode shapes of a wire as a chain of rigid links.
 
     The squared angular frequencies are the generalised eigenvalues of the stiffness and mass
-    matrices in the links' absolute angles. For n links of length l and a wire of mass m the mass
-    matrix is M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j, k from 1) and m l^2/n (n - j
-    + 1/3) on the diagonal. The arguments are those of ``beam_frequencies``, with the number of
+    matrices in the links' absolute angles. For n links of length l and mass m_l the mass matrix is
+    M_jk = m_l l^2 (n - max(j, k) + 1/2) for j != k, and M_jj = m_l l^2 (n - j + 1/3), with j and k
+    from 1 to n. The arguments are those of ``beam_frequencies``, with the number of
     links.
 
     Returns:
