@@ -19,8 +19,8 @@ from bristle_sim.studies.bar_search import (
     strikes_of,
 )
 from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
-from bristle_sim.studies.many_passes import REASON
 from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, strike_of_keys
+from bristle_sim.studies.sweep_point import FAILURE
 
 FINE = Settings(accuracy=1e-9)
 
@@ -91,7 +91,7 @@ def by_direction(
         return {
             "lag_deg_at_contact": np.array([lag(math.degrees(each)) for each in directions]),
             "tip_speed_at_contact": np.array([speed(each) for each in directions]),
-            REASON: np.full(len(directions), "", dtype=object),
+            FAILURE: np.full(len(directions), "", dtype=object),
         }
 
     return strikes

@@ -172,10 +172,10 @@ def shown_number(value: float | str | None) -> str:
     return "-" if value is None else value if isinstance(value, str) else f"{value:.7g}"
 
 
-def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
+def terminal_table(rows: Sequence[AuditRow]) -> str:
     """Return a text table of the rows, with each row's remark indented below the row."""
     status = max(map(len, (REPRODUCED, DIFFERS, NOT_COMPUTABLE)))
-    widths = (width - PRINTED - COMPUTED - UNIT - status - 8, PRINTED, COMPUTED, UNIT, status)
+    widths = (WIDTH - PRINTED - COMPUTED - UNIT - status - 8, PRINTED, COMPUTED, UNIT, status)
 
     def line(*cells: str) -> list[str]:
         """Return the text lines of one row of cells, each cell wrapped to its column."""
@@ -183,10 +183,10 @@ def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
             [textwrap.wrap(*each) for each in zip(cells, widths, strict=True)], widths, right=(1, 2)
         )
 
-    lines = [*line("where", "printed", "computed", "unit", "status"), "-" * width]
+    lines = [*line("where", "printed", "computed", "unit", "status"), "-" * WIDTH]
     for row in rows:
         lines += line(
             row.where, shown_number(row.printed), shown_number(row.computed), row.unit, row.status
         )
-        lines += textwrap.wrap(row.why, width, initial_indent="    ", subsequent_indent="    ")
+        lines += textwrap.wrap(row.why, WIDTH, initial_indent="    ", subsequent_indent="    ")
     return "\n".join(lines)

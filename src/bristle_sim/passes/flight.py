@@ -44,8 +44,10 @@ BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index, the indices of i
 
 
 class Samples(NamedTuple):
-    """Motion at the ends of a turn's segments, in arrays of shape (segments + 1, passes): the hub's
-    turn since the start, the relative angle and the relative rate.
+    """Motion of passes at the ends of the segments of a step, shape (segments + 1, passes).
+
+    ``turn`` is the angle by which the hub has turned since the step began, ``angle`` and ``rate``
+    are relative to the hub.
     """
 
     turn: Array

@@ -169,7 +169,7 @@ def neighbours_figure(
         _draw_row(style.add_panel(figure, (left, 6.4, 7.6, 5.8), title, words), row, time)
     alone = strike_values(row.tool, row.lone)
     for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
-        title, unit, factor = style.QUANTITIES[name]
+        title, unit, factor = style.STRIKE_LOOKS[name]
         place = (left, 1.9, 3.7, 3.2)
         axes = style.add_panel(figure, place, title, f"of {last}", xlabel="pitch (°)", ylabel=unit)
         if (value := alone[name]) is not None:

@@ -40,13 +40,14 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
     figure = style.blank_figure(16.0, 15.3)
     figure.set_layout_engine("constrained")
     for axes, name in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, MAPS, strict=True):
-        title, unit, factor = style.QUANTITIES[name]
+        title, unit, factor = style.STRIKE_LOOKS[name]
         values = factor * maps[name]
         known = values[np.isfinite(values)]
         low, high = np.percentile(known, PERCENTILES) if known.size else (0.0, 1.0)
         look: dict[str, Any] = {"vmin": low, "vmax": high}
         if name == "lag_deg_at_contact":
-            look = {"norm": CenteredNorm(), "cmap": "RdBu"}
+            half = max(abs(low), abs(high)) or 1.0
+            look = {"norm": CenteredNorm(halfrange=half), "cmap": "RdBu"}
         cells = axes.pcolormesh(*places, values, shading="nearest", rasterized=True, **look)
         figure.colorbar(cells, ax=axes, extend="both").ax.set_title(unit, fontsize=7.0, color=GREY)
         axes.set_title(title, loc="left", fontsize=8.5)

@@ -40,9 +40,9 @@ _LOOK = mpl.rc_params_from_file(
     Path(__file__).with_name("look.mplstyle"), use_default_template=False
 )
 
-QUANTITIES: dict[str, tuple[str, str, float]] = {
+STRIKE_LOOKS: dict[str, tuple[str, str, float]] = {
     "lag_deg_at_contact": ("lag at the strike", "degrees", 1.0),
-    "relative_speed_at_contact": ("relative rate at the strike", "rad/s", 1.0),
+    "relative_speed_at_contact": ("speed relative to the hub at the strike", "rad/s", 1.0),
     "tip_speed_at_contact": ("tip speed at the strike", "m/s", 1.0),
     "normal_final_impulse": ("normal impulse", "mN·s", 1e3),
     "normal_compressive_work": ("normal work of compression", "mJ", -1e3),
@@ -123,15 +123,13 @@ def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **p
     target.legend(handles=handles, **{"loc": "lower center", "ncols": len(handles), **place})
 
 
-def draw_colours(
-    axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, extend: str = "neither", **look: Any
-) -> Axes:
+def draw_colours(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: Any) -> Axes:
     """Draw a map of coloured cells, and return the axes of its colour bar on the right."""
     axes.grid(visible=False)
     image = axes.pcolormesh(
         x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look}
     )
-    return add_colour_bar(axes, image, extend)
+    return add_colour_bar(axes, image, "neither")
 
 
 def add_colour_bar(axes: Axes, image: ScalarMappable, extend: str) -> Axes:

@@ -136,7 +136,7 @@ def tolerance_figure(study: Study) -> Figure:
     places = figure.subplots(len(study.outputs), 2, squeeze=False)
     for number, (left, right) in enumerate(places):
         name = study.outputs[number]
-        title, unit, factor = style.QUANTITIES.get(name, (name.replace("_", " "), "", 1.0))
+        title, unit, factor = style.STRIKE_LOOKS.get(name, (name.replace("_", " "), "", 1.0))
         values = factor * study.values[number]
         left.hist(values, bins="auto", color=SKY)
         left.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)

@@ -21,8 +21,9 @@ from scipy.optimize import minimize_scalar, toms748
 from bristle_sim.arrays import Array, Number
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import REASON, unable
+from bristle_sim.studies.many_passes import unable
 from bristle_sim.studies.strike_point import NotCuedError, strikes_of_keys
+from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.theory import cueing
 
 Measures = Mapping[str, float]
@@ -106,7 +107,7 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
     lags = found["lag_deg_at_contact"]
     known = lags[np.isfinite(lags)]
     if not known.size:
-        nearest = found[REASON][int(np.abs(directions - guess).argmin())]
+        nearest = found[FAILURE][int(np.abs(directions - guess).argmin())]
         raise NotCuedError(
             f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {nearest}"
         )
@@ -132,7 +133,7 @@ def _place(strikes: Strikes, direction: float) -> Place:
     cued strike.
     """
     found = strikes(np.array([direction]))
-    measures = {name: float(each[0]) for name, each in found.items() if name != REASON}
+    measures = {name: float(each[0]) for name, each in found.items() if name != FAILURE}
     return Place(float(direction), measures)
 
 

@@ -23,9 +23,10 @@ from bristle_sim.parameters import Bar, MapGrid, Tool
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies import bar_search
-from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene
+from bristle_sim.studies.many_passes import CHECKED_POINTS, checked_by_scene
 from bristle_sim.studies.strike_measures import STATE, beside_radial
 from bristle_sim.studies.strike_point import strike_measures, strikes_of_keys
+from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import reference_accuracy, require_rigid
 from bristle_sim.theory import cueing
 
@@ -205,8 +206,8 @@ def _where_it_stands(found: CueMap, strikes: bar_search.Strikes) -> str:
     own = next(iter(found.marks.values()))
     strike = strikes(np.array([own]))
     stands = f"In its present place, at {math.degrees(own):.2f}°"
-    if strike[REASON][0]:
-        return f"{stands}, there is no cued strike: {strike[REASON][0]}"
+    if strike[FAILURE][0]:
+        return f"{stands}, there is no cued strike: {strike[FAILURE][0]}"
     lag = float(strike["lag_deg_at_contact"][0])
     printed = " as printed" if found.tool == Tool() else ""
     return f"{stands}{printed}, the strike is {beside_radial(lag)}"

@@ -24,7 +24,8 @@ from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import key_values
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import OUTCOME, REASON, pass_quantities
+from bristle_sim.studies.many_passes import OUTCOME, pass_quantities
+from bristle_sim.studies.sweep_point import FAILURE
 
 SEED = 1
 SURVEYED = 1024  # number of passes of the survey; fewer passes would take as long
@@ -128,7 +129,7 @@ class Search:
         if not known.any():
             words, numbers = np.unique(found[OUTCOME], return_counts=True)
             most = words[numbers.argmax()]
-            reason = found[REASON][found[OUTCOME] == most][0]
+            reason = found[FAILURE][found[OUTCOME] == most][0]
             most = "is refused" if most == OUTCOMES[REFUSED] else most
             raise NoSolutionError(f"no tool in these ranges has such a pass: it {most}; {reason}")
         self.question = question

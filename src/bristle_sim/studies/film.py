@@ -29,6 +29,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import slide_path
 from bristle_sim.studies.crater_study import MEASURED as MEASURED_CRATER
 from bristle_sim.studies.strike_point import crater_of
+from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.timed_contact import PRINTED_COMPRESSION, compression_end
 from bristle_sim.studies.whole_pass import require_result, run_fields
 from bristle_sim.theory.crater import CUTTING_FRICTION
@@ -153,7 +154,7 @@ def _mapped(tool: Tool, grid: FilmGrid, settings: Settings) -> FilmMap:
     space = {"wire_damping_ratio": dampings, "contact_duration": durations}
     point = partial(simulate_variant, settings, straight)
     swept = sweep(point, space, workers=grid.workers, store=grid.store).load()
-    unknown = np.full(swept["failure"].shape, math.nan)
+    unknown = np.full(swept[FAILURE].shape, math.nan)
     results = {name: swept[name].values if name in swept else unknown for name in MEASURES}
     missed = np.sum(
         [np.log(results[name] / value) ** 2 for name, value in MEASURED.items()], axis=0
@@ -231,9 +232,9 @@ def _variants(best: Tool, knee: float, settings: Settings) -> list[dict[str, Any
 
     def one(keys: Mapping[str, float]) -> dict[str, Any]:
         try:
-            return simulate_variant(settings, best, **keys) | {"failure": ""}
+            return simulate_variant(settings, best, **keys) | {FAILURE: ""}
         except ValueError as error:
-            return dict.fromkeys(MEASURES) | {"failure": str(error)}
+            return dict.fromkeys(MEASURES) | {FAILURE: str(error)}
 
     return [{"variant": name, **one(keys)} for name, keys in changes.items()]
 

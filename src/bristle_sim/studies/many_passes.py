@@ -22,12 +22,12 @@ from bristle_sim.passes.result import Ensemble
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
+from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import QUANTITIES, measures_of
 from bristle_sim.units import Choice, likely_key, shown
 
 ENTRY = "entry_angle"
 OUTCOME = "outcome"
-REASON = "failure"
 
 CHECKED_POINTS = 8
 """Number of random points at which single simulations check the passes in arrays."""
@@ -102,7 +102,7 @@ def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, 
     found = {name: _quantity(many, name) for name in QUANTITIES if name != "rebound_ratio"}
     speed = many.keys.get("hub_speed", tool.hub.speed) + many.relative_speed_at_contact
     found["rebound_ratio"] = many.final_bristle_rate / np.where(speed == 0.0, np.nan, speed)
-    return found | {ENTRY: many.entry_angle_at_contact, OUTCOME: many.outcome, REASON: many.reason}
+    return found | {ENTRY: many.entry_angle_at_contact, OUTCOME: many.outcome, FAILURE: many.reason}
 
 
 def _log(part: float) -> None:

@@ -24,7 +24,6 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import (
     CHECKED_POINTS,
     OUTCOME,
-    REASON,
     checked_by_scene,
     pass_quantities,
 )
@@ -123,7 +122,7 @@ def sweep_in_arrays(tool: Tool, settings: Settings, axes: dict[str, Series]) -> 
         name: Series(label, unit, passes[name]) for name, (label, unit) in QUANTITIES.items()
     }
     complete = np.all([np.isfinite(each.values) for each in quantities.values()], axis=0)
-    reason = np.where(passes[REASON] == "", passes[OUTCOME].astype(object), passes[REASON])
+    reason = np.where(passes[FAILURE] == "", passes[OUTCOME].astype(object), passes[FAILURE])
     check = str(checked_by_scene(tool, settings, chosen))
     return Swept(axes, quantities, np.where(complete, "", reason), passes[OUTCOME], check)
 

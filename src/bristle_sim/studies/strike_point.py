@@ -15,7 +15,7 @@ from bristle_sim.parameters import Bar, Tool
 from bristle_sim.readable import finite
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import ENTRY, OUTCOME, REASON, pass_quantities, unable
+from bristle_sim.studies.many_passes import ENTRY, OUTCOME, pass_quantities, unable
 from bristle_sim.studies.strike_measures import IMPACT, STATE
 from bristle_sim.studies.sweep_point import FAILURE, evaluate_in_turn
 from bristle_sim.studies.whole_pass import measures_of, require_result
@@ -80,8 +80,8 @@ def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, 
     measures = {name: np.where(cued, found[name], math.nan) for name in STRIKE_UNITS}
     struck = np.isfinite(found["contact_time"])
     not_cued = "the bristle must touch the bar, and leave it, before it strikes the workpart"
-    reason = np.where(struck, not_cued, found[OUTCOME].astype(object) + ": " + found[REASON])
-    return measures | {REASON: np.where(cued, "", reason)}
+    reason = np.where(struck, not_cued, found[OUTCOME].astype(object) + ": " + found[FAILURE])
+    return measures | {FAILURE: np.where(cued, "", reason)}
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:

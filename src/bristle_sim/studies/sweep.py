@@ -171,12 +171,15 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
-    """Yield the index and the arguments of points of the grid; the last dimension varies fastest."""
+    """Yield the indices ``numbers`` of points of the grid with the arguments of these points.
+
+    The points are numbered with the last dimension varying fastest.
+    """
     columns = {
         str(name): each.variable.set_dims(dict(grid.sizes)).values
         for name, each in grid.coords.items()
     }
-    for number in numbers.tolist():
+    for number in map(int, numbers):
         yield number, {name: values.item(number) for name, values in columns.items()}
 
 

@@ -36,9 +36,10 @@ from bristle_sim.parameters import Sampling, Spreads, Tool, key_declarations
 from bristle_sim.passes.request import key_values
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import CHECKED_POINTS, REASON, checked_by_scene
+from bristle_sim.studies.many_passes import CHECKED_POINTS, checked_by_scene
 from bristle_sim.studies.strike_measures import IMPACT, STATE
 from bristle_sim.studies.strike_point import STRIKE_UNITS, strikes_of_keys
+from bristle_sim.studies.sweep_point import FAILURE
 
 Measures = Mapping[str, NDArray[Any]]
 
@@ -290,7 +291,7 @@ def _require_results(found: Measures, inputs: Mapping[str, Array], outputs: Sequ
         return
     where = int(np.argmax(lost))
     unknown = [name for name in outputs if not np.isfinite(found[name][where])]
-    reason = found[REASON][where] or f"no {', '.join(unknown)}"
+    reason = found[FAILURE][where] or f"no {', '.join(unknown)}"
     point = ", ".join(f"{name} = {column[where]:.6g}" for name, column in inputs.items())
     raise ValueError(
         f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"

@@ -160,11 +160,11 @@ def quadrature(time: Array) -> tuple[Array, Array]:
 def _sustained(
     tool: Tool, motion: Interpolation, contact: ContactRecord
 ) -> tuple[tuple[float, ...], float]:
-    """Return the instants between which the force of a sustained contact is smooth (s) and the time
-    integral of its moment, N m s.
+    """Return the instants (s) at which the force of a sustained contact may jump, and the time
+    integral of the force's moment about the hub's axis, N m s.
 
-    The force jumps where slip reverses, and where the bar reaches the wire's end. The run has two
-    samples there, before and after the jump.
+    The force jumps when slip reverses, and when the wire's end slides onto the bar. At these
+    instants the run has two samples, one before and one after the jump.
     """
     ends = (contact.time, contact.time + contact.duration)
     first, last = (int(abs(motion.run.time - each).argmin()) for each in ends)

@@ -208,25 +208,23 @@ def energy_coefficients(
 
 
 def kinetic_energy(
-    time: ArrayLike,
-    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
-    decay: float = PRINTED_KINEMATICS.decay,
+    time: ArrayLike, coefficients: tuple[float, float, float] = PRINTED_ENERGY
 ) -> Number:
     """Return the kinetic energy of the bristle (J) at times >= 0 in s (Zhang 2020, eq. 4.59).
 
-    ``coefficients`` are those of ``energy_coefficients``, by default as printed. ``decay`` is the
-    decay rate of the motion, 1/s.
+    ``coefficients`` are those of ``energy_coefficients``, by default as printed. The motion decays
+    at the printed rate.
     """
-    left = np.exp(-decay * np.asarray(time))
+    left = np.exp(-PRINTED_KINEMATICS.decay * np.asarray(time))
     return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]
 
 
 def path_force(time: ArrayLike) -> Number:
     """Return the force along the tip's path that the dissertation's motion would require, N.
 
-    The root moves with the hub at constant speed, so the force at the tip turns the bristle alone.
-    Its effective mass along the path is I/L^2 = m/3, with its inertia I about the root, length L
-    and mass m. The speed v_C of the tip falls like e^(-lambda t), so the force is (m/3) lambda
+    The hub keeps its speed, so the force at the tip has only to turn the bristle about its root.
+    The bristle's effective mass at the tip is I/L^2 = m/3, with its inertia I about the root, its
+    length L and its mass m. The speed v_C of the tip falls like e^(-lambda t), so the force is (m/3) lambda
     v_C(t). It is largest at first touch, where the dissertation's own force (3.19) is zero.
     """
     wire = Bristle()

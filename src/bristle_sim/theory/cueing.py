@@ -182,15 +182,17 @@ def stiffened_cue_time(
 
 
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the time from release at rest to the highest speed (s), without centrifugal stiffness.
+    """Return the time from release at rest to the highest relative rate of the bristle, s.
+
+    The centrifugal stiffness is neglected.
 
     Omega is the natural rate (rad/s) and zeta the damping ratio:
 
         t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
 
-    This holds since alpha' = theta_p Omega/sqrt(1 - zeta^2) e^(-zeta Omega t) sin(Omega_d t), with
-    Omega_d = Omega sqrt(1 - zeta^2), is largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. At
-    that time a damped bristle has not yet reached the radial direction.
+    For zeta < 1 the relative rate is proportional to e^(-zeta Omega t) sin(Omega_d t), with Omega_d
+    = Omega sqrt(1 - zeta^2). It is largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. At that
+    time a damped bristle has not yet reached the radial direction.
 
     >>> print(f"{damped_cue_time(2.0, 0.0):.6f} {damped_cue_time(2.0, 1.0):.6f}")  # (pi/2)/Omega, and 1/Omega at critical damping
     0.785398 0.500000

@@ -37,8 +37,9 @@ class ForceCurve:
     N, lead and period in s, with lead < period/2. F is 0 at first touch if offset = swing cos(2 pi
     lead/period), as in (3.3).
 
-    Without decay the curve of ``of_impact`` is highest in the middle. Its peak is the argument
-    ``peak_force`` times (1 + cos(pi/6))/2 = 0.933013:
+    The argument ``peak_force`` of ``of_impact`` is nominal. Without decay the curve is highest in
+    the middle, and lower than this by the factor (1 + cos(pi/6))/2 = 0.933013; pi/6 is the phase of
+    the lead:
 
     >>> curve = ForceCurve.of_impact(1.0, 0.0, peak_force=60.0, duration=1e-4)
     >>> print(f"{curve.peak_time():.3e} s, {curve.peak_force():.4f} N")

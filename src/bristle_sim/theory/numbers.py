@@ -199,9 +199,9 @@ def _check(values: list[Number], k_tn: Number) -> None:
 
 
 def first_text(values: tuple[Number, ...], holds: Number) -> str:
-    """Return, for an error message, the text of the first values that break a rule.
+    """Return, for an error message, the values at the first place where a rule is broken, as text.
 
-    ``holds`` tells where the rule holds.
+    ``holds`` is true where the rule is kept.
     """
     chosen = (
         values

@@ -26,8 +26,9 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import placed, radial_place, strikes_of
 from bristle_sim.studies.design import design
 from bristle_sim.studies.limits import limits
-from bristle_sim.studies.many_passes import OUTCOME, REASON, checked_range, pass_quantities
+from bristle_sim.studies.many_passes import OUTCOME, checked_range, pass_quantities
 from bristle_sim.studies.surface import surface
+from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import QUANTITIES
 
 SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map; their errors are far below one shade
@@ -66,7 +67,7 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     found = pass_quantities(tool, SETTINGS, **places)
     codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)
     if (codes == REFUSED).all():
-        raise ValueError(f"no map: {found[REASON][0, 0]}")
+        raise ValueError(f"no map: {found[FAILURE][0, 0]}")
     values = found[asked["of"]] if asked["of"] in QUANTITIES else np.full(codes.shape, np.nan)
     numbers = values[np.isfinite(values)]
     low, high = np.percentile(numbers, EXTREMES) if numbers.size else (0.0, 0.0)
