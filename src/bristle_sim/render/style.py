@@ -42,7 +42,7 @@ _LOOK = mpl.rc_params_from_file(
 
 STRIKE_LOOKS: dict[str, tuple[str, str, float]] = {
     "lag_deg_at_contact": ("lag at the strike", "degrees", 1.0),
-    "relative_speed_at_contact": ("speed relative to the hub at the strike", "rad/s", 1.0),
+    "relative_speed_at_contact": ("speed relative to the hub", "rad/s", 1.0),
     "tip_speed_at_contact": ("tip speed at the strike", "m/s", 1.0),
     "normal_final_impulse": ("normal impulse", "mN·s", 1e3),
     "normal_compressive_work": ("normal work of compression", "mJ", -1e3),
