@@ -17,7 +17,7 @@ from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.impacts import oblique_impact
 from bristle_sim.studies.impulse_course import energetic_course
 from bristle_sim.studies.timed_contact import with_visible_contact
-from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words
+from impact_cases import TRAPEZOIDAL, bristle, data, rods, words
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_no_film_of_a_tip_that_does_not_approach(tmp_path: Path) -> None:
 
 
 def test_impulse_plane_shows_the_course_and_the_contact_resolved_in_time(strike: Impacts) -> None:
-    plane = panel(impact_figure(strike), "a")
+    (plane,) = impact_figure(strike).axes
     course = energetic_course(strike.chain, strike.surface)
     assert "mN·s" in plane.get_xlabel()
     for name in ("normal_velocity", "tangential_velocity"):
@@ -120,9 +120,11 @@ def test_impulse_plane_shows_the_course_and_the_contact_resolved_in_time(strike:
 
 def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
     resting = impact_figure(rods(rate_1=0.0, rate_2=0.0))
-    assert "no contact" in words(panel(resting, "a"))
+    (plane,) = resting.axes
+    assert "no contact" in words(plane)
     save_figure(resting, tmp_path / "resting.png")
     unresolved = rods()
     del unresolved.strikes["compliant"]
-    names = {each.get_gid() for each in panel(impact_figure(unresolved), "a").get_lines()}
+    (plane,) = impact_figure(unresolved).axes
+    names = {each.get_gid() for each in plane.get_lines()}
     assert not any(name and "resolved" in name for name in names)
