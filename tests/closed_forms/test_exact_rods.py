@@ -262,3 +262,21 @@ def test_longer_chains_gain_nothing(count: int) -> None:
         found = hit(chain, float(draw % 4), 1.0)
         assert found.kinetic_energy_ratio is not None
         assert found.kinetic_energy_ratio <= 1.0 + 1e-12  # rounding
+
+
+@pytest.mark.parametrize("law", ["energetic", "compliant"])
+@pytest.mark.parametrize("degrees", [5.0, 20.0, 30.9])
+def test_two_rods_in_line_stick_where_friction_exceeds_the_tangent(
+    degrees: float, law: str
+) -> None:
+    """The tip moves across the line only, so slip and approach end together, and restitution cannot move it: stiction.
+
+    With the mass matrix [[8, 3], [3, 2]]/6 and the lever (1, 1), the rates (1, 1) become (3, -3)/2 and 9/16 of the energy is
+    left. A compliance in stick of rounding error made the tip rebound with more energy than it came with.
+    """
+    angle = math.radians(degrees)
+    chain = Chain((1.0, 1.0), (1.0, 1.0), (angle, angle), (-1.0, -1.0))
+    found = strike(chain, Surface(0.6, None, 1.0), Contact(law), Settings(accuracy=1e-6))
+    assert found.contact.outcome == "stiction"
+    assert found.contact.rates_after == pytest.approx((-1.5, 1.5), rel=1e-5)
+    assert found.kinetic_energy_ratio == pytest.approx(0.5625, rel=1e-5)

@@ -113,7 +113,7 @@ def test_the_error_of_a_gap_on_the_polynomial_is_bounded(
     length *= time_scale
     fastest = 1.0 / time_scale
     plan = SimpleNamespace(time_scale=time_scale)
-    system: Any = SimpleNamespace(plan=plan, mechanism=SimpleNamespace(wire_links=links))
+    system: Any = SimpleNamespace(plan=plan, mechanism=SimpleNamespace(jointed=links > 1))
     worst = 0.0
     for begin in [0.1 * number * time_scale for number in range(63)]:
         ends = [swing(fastest, begin + part * length) for part in (0.0, 0.5, 1.0)]

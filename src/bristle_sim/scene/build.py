@@ -83,7 +83,7 @@ class Scene(EngineSpace):
         damping = [belt, *(hinge for _, hinge in hinges)]
         make_solver = LinkVelocity if mechanism.single_link else WireVelocities
         solver = make_solver(mechanism, damping, hub, links)
-        super().__init__(space, hub, links, joints, solver, several_links=mechanism.wire_links > 1)
+        super().__init__(space, hub, links, joints, solver, jointed=mechanism.jointed)
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
 

@@ -107,7 +107,9 @@ class ActiveContact(ClosedPair):
         self.slip = sense
 
     def add(self, sums: Sums) -> None:
-        """Add the impulse and the work of an interval."""
+        """Add the impulse and the work of an interval, and take over the forces at its end."""
+        self.force = sums.normal
+        self.tangential = sums.tangential
         self.impulse = (
             self.impulse[0] + sums.impulse_normal,
             self.impulse[1] + sums.impulse_tangential,
@@ -136,8 +138,6 @@ class ActiveContact(ClosedPair):
             square = slope * slope - 4.0 * bend * last
             falls = math.sqrt(square) - slope if square >= 0.0 else 0.0
             left = 2.0 * length * last / falls if falls > 0.0 else math.inf
-        self.force = last
-        self.tangential = sums.tangential
         return first, bend, left
 
     def record(self, closest: Closest, last: State, outcome: str) -> ContactRecord | None:

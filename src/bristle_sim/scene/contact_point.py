@@ -102,6 +102,8 @@ def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> Contact
         order = np.argsort(-abs(columns).max(axis=1))
         basis, triangle = np.linalg.qr(columns[order, ::-1])
         stick[order] = basis[:, 1] * triangle[1, 1]
+        if np.linalg.norm(stick) <= ROUNDING * np.linalg.norm(columns[:, 0]):
+            stick[:] = 0.0  # as of a straight chain, whose tip moves across it only
     first, second = (columns.T @ columns).tolist()
     return ContactPoint(
         touch,

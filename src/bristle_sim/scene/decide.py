@@ -119,7 +119,7 @@ def begin_motion(system: System, given: Motion) -> Motion:
     ordered = given.ordered
     active = (*ordered, *springs)
     motion = Motion(active, given.separating)
-    if ordered or (system.mechanism.wire_links > 1 and not springs):
+    if ordered or (system.mechanism.jointed and not springs):
         motion.limit = system.plan.first_interval
     if ordered:
         motion.rigid = _closed_contacts(system, ordered)

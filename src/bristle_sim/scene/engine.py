@@ -56,7 +56,6 @@ class EngineSpace:
             part of them.
         put: sets positions and velocities of all bodies.
         joint_solver: solver of joints, damping and sustained contacts.
-        several_links: whether a wire has several links. Time-symmetric steps are then possible.
     """
 
     def __init__(
@@ -67,12 +66,12 @@ class EngineSpace:
         joints: Sequence[pymunk.Constraint],
         joint_solver: Any,
         *,
-        several_links: bool,
+        jointed: bool,
     ) -> None:
         """Prepare the steps of a space.
 
         ``joint_solver`` is a ``solver.WireVelocities``, or a ``solver.LinkVelocity`` for a single
-        link. ``several_links`` is whether a wire has several links.
+        link. ``jointed`` is whether a wire has several links.
         """
         self.space = space
         self.hub = hub
@@ -84,7 +83,7 @@ class EngineSpace:
         self._kept = Placer(bodies)
         self._links = [link._body for link in links]
         self.joint_solver = joint_solver
-        self.several_links = several_links
+        self._jointed = jointed
         self._last_length = math.inf
         space.step(0.0)  # all that was added is in the space from here on
         # The pointer does not own the space. A reference to space._space, which frees it, must not
@@ -104,7 +103,7 @@ class EngineSpace:
         """Keep the given sustained contacts closed from now on; () returns to steps without
         contacts.
         """
-        solving = bool(contacts) or self.several_links
+        solving = bool(contacts) or self._jointed
         if solving is (self._solve is None):
             self._solve = self.joint_solver.solve if solving else None
             for spring, damping in self._dampings:

@@ -203,7 +203,7 @@ class Extrapolation:
 
         A repetition is left out if its rounding error would exceed the tolerance.
         """
-        symmetric = scene.several_links and (load is None or load.symmetric)
+        symmetric = scene.mechanism.jointed and (load is None or load.symmetric)
         take = partial(scene.step, symmetric=True) if symmetric else scene.step
         halved = load is None and not symmetric
         table = self.table = EVEN if symmetric else HALVED if halved else self._given

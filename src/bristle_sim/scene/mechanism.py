@@ -119,6 +119,7 @@ class Mechanism:
         pitch: angle by which each root lags the root before it, rad.
         wire_links: number of links of one wire.
         single_link: whether there is one link alone, with one degree of freedom.
+        jointed: whether a wire has several links.
     """
 
     links: tuple[Link, ...]
@@ -129,12 +130,14 @@ class Mechanism:
     pitch: float = 0.0
     wire_links: int = field(init=False)
     single_link: bool = field(init=False)
+    jointed: bool = field(init=False)
     _known: deque[tuple[State, list[Pose]]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Derive ``wire_links`` and ``single_link``."""
+        """Derive the attributes that count links."""
         self.wire_links = len(self.links) // self.wires
         self.single_link = len(self.links) == 1
+        self.jointed = self.wire_links > 1
         self._known = deque(maxlen=3)
 
     def root_angle(self, time: float, link: int = 0) -> float:

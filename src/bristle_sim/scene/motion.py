@@ -126,7 +126,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         link = wire * mechanism.wire_links
         if not plan.single_contact:
             yield Event(Kind.LARGEST_RETRACTION, wire, partial(relative_rate, link), 1)
-            if not in_contact and mechanism.wire_links == 1:  # a wire of several links vibrates
+            if not (in_contact or mechanism.jointed):  # a wire of several links vibrates
                 yield Event(Kind.HIGHEST_SPEED, wire, partial(acceleration, link))
         if math.isfinite(plan.retraction_limit):
             yield Event(Kind.RETRACTION_LIMIT, wire, partial(left, link))
@@ -261,14 +261,15 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
     begins: dict[ActiveContact, float] = {}
     for index, contact in enumerate(motion.contacts):
         sums = sums_of(interval.end.totals, index)
-        contact.add(sums)
         if not isinstance(contact, SpringContact):
             # At a located release, rounding error may make the force negative.
             first, bend, left = contact.expect_release(sums, interval.length)
+            contact.add(sums)
             motion.release_in = min(motion.release_in, BEYOND_RELEASE * left)
             begins[contact] = max(0.0, first)
             ends[contact] = max(0.0, sums.normal)
         else:
+            contact.add(sums)
             contact.stick_force = sums.tangential
             ends[contact] = contact.sample(system.closest, system.state)
     if motion.rigid is not None:
@@ -289,7 +290,7 @@ def _proposed(system: System, motion: Motion) -> float:
     stepper = system.stepper
     left = plan.end - system.state.time
     # A flight of rigid bristles is sampled in the middle of its intervals too.
-    samples = 2.0 if motion.load is None and system.mechanism.wire_links == 1 else 1.0
+    samples = 2.0 if motion.load is None and not system.mechanism.jointed else 1.0
     longest = min(
         samples * plan.longest_interval,
         plan.damped_interval,

@@ -64,7 +64,7 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
     """
     own = set(system.wires_of(pair))
     coupled = any(own & set(system.wires_of(contact.pair)) for contact in motion.contacts)
-    if system.mechanism.wire_links > 1 or coupled or not system.waiting:
+    if system.mechanism.jointed or coupled or not system.waiting:
         return None
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state
@@ -132,8 +132,9 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
                 system.state, spring.impulse, spring.work, rows, phases = spring.stopped_at
                 del spring.rows[rows:], spring.phases[phases:]
                 spring.compression = None
-            stuck = spring.predicted in (Outcome.JAM, Outcome.STICTION)
-            return Outcome(spring.predicted) if stuck else Outcome.NO_REBOUND
+            # A contact that would rebound by the law stays: the root presses it on.
+            rebounds = spring.predicted == Outcome.REBOUND
+            return Outcome.STICTION if rebounds else Outcome(spring.predicted)
         case Kind.PRESSED_ON:
             spring.at_rest = False
             spring.deepest = None

@@ -297,7 +297,7 @@ class System:
         link is clear of the bar now, and another of its points is closest at ``end``, the link may
         touch the bar at that other point.
         """
-        if self.mechanism.wire_links == 1 or not isinstance(pair, BarPair):
+        if not self.mechanism.jointed or not isinstance(pair, BarPair):
             return False
         for sign, index, step in ((1.0, 0, -1), (-1.0, -1, 1)):
             if self.neighbour(pair, step) in active:

@@ -224,7 +224,7 @@ def polynomial_error(system: System, interval: Interval) -> float:
     length = interval.length
     middle = interval.end.middle
     error = CUBIC_ERROR * length**4 if middle is None else QUINTIC_ERROR * length**6
-    if system.mechanism.wire_links > 1:
+    if system.mechanism.jointed:
         error += CUBIC_ERROR * length * (length / system.plan.time_scale) ** 3
     return error
 
