@@ -14,7 +14,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.design_search import Question, Search, with_derivatives
+from bristle_sim.studies.design_search import Search, with_derivatives
 from bristle_sim.studies.design_words import (
     conflict_in_words,
     curve_in_words,
@@ -168,7 +168,7 @@ def design(
         _declared(goal)
     if not (goal or wants or highest):
         raise ValueError("want: must be given, or a quantity to minimize or maximize")
-    return _found(Question(given, ranges, wants, highest, goal, -1.0 if maximize else 1.0))
+    return _found(Search(given, ranges, wants, highest, goal, -1.0 if maximize else 1.0))
 
 
 def _declared(name: str) -> Range:
@@ -182,9 +182,8 @@ def _declared(name: str) -> Range:
     return Range(name, QUANTITIES[name][1], -MOST, MOST, True, "")
 
 
-def _found(question: Question) -> Design:
+def _found(search: Search) -> Design:
     """Search for the tool, and return the design with its simulated pass."""
-    search = Search(question)
     place, met = search.solution()
     conflict: tuple[str, ...] = ()
     curves: dict[str, Array] = {}
@@ -194,35 +193,35 @@ def _found(question: Question) -> Design:
         conflict = search.conflict()
         if len(conflict) == 2:
             points = search.trade_off(conflict)
-            passes = question.passes(points)
-            curves = {name: passes[name] for name in conflict} | question.keys_at(points)
+            passes = search.passes(points)
+            curves = {name: passes[name] for name in conflict} | search.keys_at(points)
             remarks.append(curve_in_words(curves, conflict))
-    elif question.want:
-        kept = _kept(question, place)
+    elif search.want:
+        kept = _kept(search, place)
         remarks.append(kept_in_words(kept))
-    varied = {key: float(each) for key, each in question.keys_at(place).items()}
-    tool = question.tool.replace(**varied)
+    varied = {key: float(each) for key, each in search.keys_at(place).items()}
+    tool = search.tool.replace(**varied)
     report = whole_pass(tool, SCENE)
     reached = {each.name: each.simulated for each in report.quantities}
     try:
-        before = whole_pass(question.tool, SCENE).quantities
+        before = whole_pass(search.tool, SCENE).quantities
     except ValueError:  # the given tool's parts may overlap although those of the found tool do not
         before = ()
     random = np.random.default_rng(1).random((place.size, CHECKED_POINTS))
-    checked = question.keys_at(np.column_stack([place, random]))
-    check = checked_by_scene(question.tool, SCENE, checked)
-    words = tool_in_words(question, varied, report, met)
+    checked = search.keys_at(np.column_stack([place, random]))
+    check = checked_by_scene(search.tool, SCENE, checked)
+    words = tool_in_words(search, varied, report, met)
     if conflict:
-        words = f"{conflict_in_words(question, conflict)}; the nearest: {words}"
+        words = f"{conflict_in_words(search, conflict)}; the nearest: {words}"
     return Design(
         answer=f"{words[0].upper()}{words[1:]}; {check}.",
         remarks=tuple(remarks),
         tool=tool,
         varied=varied,
-        wants=tuple(Want(name, value, reached[name]) for name, value in question.want.items()),
+        wants=tuple(Want(name, value, reached[name]) for name, value in search.want.items()),
         report=report,
         before={each.name: each.simulated for each in before},
-        sensitivity=_sensitivity(question, place),
+        sensitivity=_sensitivity(search, place),
         kept=kept,
         conflict=conflict,
         trade_off=curves,
@@ -230,43 +229,37 @@ def _found(question: Question) -> Design:
     )
 
 
-def _sensitivity(question: Question, place: Array) -> dict[str, dict[str, float]]:
+def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
     """Return the derivatives of the quantities with respect to each parameter, in SI units.
 
     ``place`` has the parameters as fractions of their ranges.
     """
 
     def quantities(fractions: Array) -> Array:
-        passes = question.passes(fractions)
+        passes = search.passes(fractions)
         return np.array([passes[name] for name in QUANTITIES])
 
-    _, slopes = with_derivatives(quantities)(place)
-    return {
-        key: dict(zip(QUANTITIES, (each / (high - low)).tolist(), strict=True))
-        for (key, (low, high)), each in zip(question.vary.items(), slopes.T, strict=True)
-    }
+    slopes = with_derivatives(quantities)[1](place)
+    found = {}
+    for column, (key, (low, high)) in enumerate(search.vary.items()):
+        changes = slopes[:, column] / (high - low)
+        found[key] = dict(zip(QUANTITIES, changes.tolist(), strict=True))
+    return found
 
 
-def _kept(question: Question, place: Array) -> dict[str, tuple[float, float]]:
+def _kept(search: Search, place: Array) -> dict[str, tuple[float, float]]:
     """Return the interval of each parameter in which all wants stay met while the other parameters
     do not change.
     """
-    each = np.arange(place.size)
-    points = np.tile(place[:, np.newaxis, np.newaxis, np.newaxis], (place.size, 2, DISTANCES.size))
-    ends = np.array([[0.0], [1.0]])
-    points[each, each] += (ends - points[each, each]) * DISTANCES
-    passes = question.passes(points)
-    lost = np.zeros(points.shape[1:], dtype=bool)
-    lost[..., -1] = True  # at the end of the range at the latest
-    for name, wanted in question.want.items():
-        allowed = KEPT_DEG if "_deg" in name else KEPT * abs(wanted)
-        if allowed:
-            lost |= ~(np.abs(passes[name] - wanted) <= allowed)
-    at = lost.argmax(axis=-1)
-    fractions = points[each[:, np.newaxis], each[:, np.newaxis], [[0, 1]], at]
-    return {
-        key: (low + (high - low) * first, low + (high - low) * last)
-        for (key, (low, high)), (first, last) in zip(
-            question.vary.items(), fractions.tolist(), strict=True
-        )
-    }
+    fractions = np.tile(place[:, np.newaxis], 2)  # lower and upper end
+    for row, side in np.ndindex(fractions.shape):
+        points = np.tile(place[:, np.newaxis], DISTANCES.size)
+        points[row] += (side - place[row]) * DISTANCES
+        passes = search.passes(points)
+        lost = DISTANCES == 1.0  # at the end of the range at the latest
+        for name, wanted in search.want.items():
+            allowed = KEPT_DEG if "_deg" in name else KEPT * abs(wanted)
+            if allowed:
+                lost |= ~(np.abs(passes[name] - wanted) <= allowed)
+        fractions[row, side] = points[row, lost.argmax()]
+    return {key: tuple(ends.tolist()) for key, ends in search.keys_at(fractions).items()}

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares, minimize
@@ -56,13 +56,9 @@ Function = Callable[[Array], Array]
 the points."""
 
 
-class NoSolutionError(ValueError):
-    """Raised if no tool in the ranges has a pass with the wanted quantities."""
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """The statement of a design: its conditions, the ranges of the varied parameters, and the goal.
+@dataclass(slots=True)
+class Search:
+    """The search for a tool: its conditions, the ranges of the varied parameters, and the goal.
 
     A condition is a wanted value of a quantity, or an upper limit. The wanted values come first.
 
@@ -74,6 +70,11 @@ class Question:
         goal: quantity that is minimised if several tools meet the conditions; without a goal the
             change of the parameters is minimised.
         sense: 1 to minimise the goal, -1 to maximise it.
+        surveyed: points of a survey of the ranges whose passes have all quantities, as fractions of
+            the ranges, shape (parameters, points).
+        spread: standard deviation of each quantity over the survey, in which misses are measured.
+        present: the tool's own values as fractions of the ranges, shape (parameters, 1); a value
+            outside its range is moved to the nearest end.
     """
 
     tool: Tool
@@ -82,6 +83,37 @@ class Question:
     at_most: dict[str, float]
     goal: str
     sense: float
+    surveyed: Array = field(init=False)
+    spread: dict[str, float] = field(init=False)
+    present: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Survey the ranges.
+
+        Raises:
+            ValueError: if no pass has all quantities, or a quantity does not depend on the
+                parameters.
+        """
+        fractions = Sobol(len(self.vary), seed=SEED).random(SURVEYED).T
+        found = self.passes(fractions)
+        names = {*self.conditions, *filter(None, [self.goal])}
+        known = np.all([np.isfinite(found[name]) for name in names], axis=0)
+        if not known.any():
+            words, numbers = np.unique(found[OUTCOME], return_counts=True)
+            most = words[numbers.argmax()]
+            reason = found[FAILURE][found[OUTCOME] == most][0]
+            most = "is refused" if most == OUTCOMES[REFUSED] else most
+            raise ValueError(f"no tool in these ranges has such a pass: it {most}; {reason}")
+        self.surveyed = fractions[:, known]
+        self.spread = {name: float(found[name][known].std()) for name in names}
+        for name, spread in self.spread.items():
+            if spread <= 1e-9 * np.abs(found[name][known]).max():
+                raise ValueError(
+                    f"{name}: does not depend on {', '.join(self.vary)}; vary another key"
+                )
+        own = key_values(self.tool)
+        present = [[(own[key] - low) / (high - low)] for key, (low, high) in self.vary.items()]
+        self.present = np.nan_to_num(np.clip(present, 0.0, 1.0), nan=0.5)
 
     @property
     def conditions(self) -> dict[str, float]:
@@ -102,61 +134,19 @@ class Question:
         """
         return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
-
-class Search:
-    """The search for the answer to a question, in passes computed in arrays.
-
-    Attributes:
-        question: the question.
-        surveyed: points of the survey whose passes have all quantities, as fractions of the ranges,
-            shape (parameters, points).
-        spread: standard deviation of each quantity over the survey, in which misses are measured.
-        present: the tool's own values as fractions of the ranges; a value outside its range is moved
-            to the nearest end.
-    """
-
-    def __init__(self, question: Question) -> None:
-        """Survey the ranges.
-
-        Raises:
-            NoSolutionError: if no pass has all quantities, or a quantity does not depend on the
-                parameters.
-        """
-        fractions = Sobol(len(question.vary), seed=SEED).random(SURVEYED).T
-        found = question.passes(fractions)
-        names = {*question.conditions, *filter(None, [question.goal])}
-        known = np.all([np.isfinite(found[name]) for name in names], axis=0)
-        if not known.any():
-            words, numbers = np.unique(found[OUTCOME], return_counts=True)
-            most = words[numbers.argmax()]
-            reason = found[FAILURE][found[OUTCOME] == most][0]
-            most = "is refused" if most == OUTCOMES[REFUSED] else most
-            raise NoSolutionError(f"no tool in these ranges has such a pass: it {most}; {reason}")
-        self.question = question
-        self.surveyed = fractions[:, known]
-        self.spread = {name: float(found[name][known].std()) for name in names}
-        for name, spread in self.spread.items():
-            if spread <= 1e-9 * np.abs(found[name][known]).max():
-                raise NoSolutionError(
-                    f"{name}: does not depend on {', '.join(question.vary)}; vary another key"
-                )
-        own = key_values(question.tool)
-        present = [(own[key] - low) / (high - low) for key, (low, high) in question.vary.items()]
-        self.present = np.nan_to_num(np.clip(present, 0.0, 1.0), nan=0.5)
-
     def costs(self, fractions: Array) -> Array:
         """Return the goal, and by how much the quantities exceed the values of the conditions, in
         standard deviations of the quantities.
 
         The shape is (1 + conditions, points).
         """
-        question = self.question
-        found = question.passes(fractions)
-        goal = np.sum((fractions - self.present[:, np.newaxis]) ** 2, axis=0)
-        if question.goal:
-            goal = question.sense * found[question.goal] / self.spread[question.goal]
-        conditions = question.conditions.items()
-        excesses = [(found[name] - value) / self.spread[name] for name, value in conditions]
+        found = self.passes(fractions)
+        goal = np.sum((fractions - self.present) ** 2, axis=0)
+        if self.goal:
+            goal = self.sense * found[self.goal] / self.spread[self.goal]
+        excesses = [
+            (found[name] - value) / self.spread[name] for name, value in self.conditions.items()
+        ]
         return np.array([goal, *excesses])
 
     def misses(self, fractions: Array) -> Array:
@@ -166,7 +156,7 @@ class Search:
         The shape is (conditions, points).
         """
         found = self.costs(fractions)[1:]
-        limits = slice(len(self.question.want), None)
+        limits = slice(len(self.want), None)
         found[limits] = np.maximum(found[limits], 0.0)
         return found
 
@@ -195,7 +185,7 @@ class Search:
             updating="deferred",
         )
         best = np.argsort(evolved.population_energies)[:STARTS]
-        nearest = self.nearest(np.ones(len(self.question.conditions)))
+        nearest = self.nearest(np.ones(len(self.conditions)))
         places = [self._closest(start, self.misses) for start in evolved.population[best]]
         met = [each for each in [*places, nearest] if self.largest_miss(each) <= MET]
         if not met:
@@ -203,9 +193,7 @@ class Search:
         found = np.transpose([self._improved(each) for each in met])
         return found[:, self.costs(found)[0].argmin()], True
 
-    def nearest(
-        self, weights: Array, missed: Number = 0.0, starts: Sequence[Array] | None = None
-    ) -> Array:
+    def nearest(self, weights: Array, missed: Number = 0.0, starts: Array | None = None) -> Array:
         """Return the point at which the sum of squares of the weighted misses is least, as
         fractions.
 
@@ -221,13 +209,14 @@ class Search:
         def merit(fractions: Array) -> Array:
             return np.asarray((weighted(fractions) ** 2).sum(axis=0))
 
-        starts = self._starts(merit) if starts is None else starts
+        if starts is None:
+            starts = self.surveyed[:, np.argsort(merit(self.surveyed))[:STARTS]].T
         places = [self._closest(start, weighted) for start in starts]
         return places[int(np.argmin(merit(np.transpose(places))))]
 
     def conflict(self) -> tuple[str, ...]:
         """Return the smallest set of conditions that cannot be met together."""
-        names = tuple(self.question.conditions)
+        names = tuple(self.conditions)
         for number in range(1, len(names)):
             for chosen in itertools.combinations(names, number):
                 weights = np.array([float(name in chosen) for name in names])
@@ -241,9 +230,9 @@ class Search:
 
         The first condition is met at the first point, the second condition at the last point.
         """
-        names = tuple(self.question.conditions)
+        names = tuple(self.conditions)
         first, second = (names.index(name) for name in pair)
-        weights = np.where(np.arange(len(names)) < len(self.question.want), 0.0, STIFFNESS)
+        weights = np.where(np.arange(len(names)) < len(self.want), 0.0, STIFFNESS)
         weights[first] = 1.0
         weights[second] = STIFFNESS
         curve = [self.nearest(weights)]
@@ -252,28 +241,24 @@ class Search:
         weights[first] = STIFFNESS
         weights[second] = 1.0
         for part in np.linspace(1.0, 0.0, CURVE_POINTS)[1:]:
-            curve.append(self.nearest(weights, part * missed, curve[-1:]))
+            curve.append(self.nearest(weights, part * missed, curve[-1][np.newaxis]))
         return np.array(curve[::-1]).T
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
         """Return the largest weighted miss at a point."""
         return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
 
-    def _starts(self, merit: Function) -> list[Array]:
-        """Return the points of the survey at which a function is least."""
-        return [*self.surveyed[:, np.argsort(merit(self.surveyed))[:STARTS]].T]
-
     def _closest(self, start: Array, function: Function) -> Array:
         """Return the point near a start at which the sum of squares of a function's values is
         least, as fractions.
         """
-        if not self.question.conditions:
+        if not self.conditions:
             return start
-        at = with_derivatives(function)
+        value, slopes = with_derivatives(function)
         found = least_squares(
-            lambda place: at(place)[0],
+            value,
             start,
-            lambda place: at(place)[1],
+            slopes,
             bounds=(0.0, 1.0),
             xtol=1e-13,
             ftol=1e-13,
@@ -286,21 +271,22 @@ class Search:
         """Return the point near a start at which the goal is least while the conditions stay met,
         as fractions; the start itself if that fails.
         """
-        at = with_derivatives(lambda place: np.nan_to_num(self.costs(place), nan=NO_STRIKE))
-        wants = slice(1, 1 + len(self.question.want))
-        limits = slice(wants.stop, None)
+        value, slopes = with_derivatives(
+            lambda place: np.nan_to_num(self.costs(place), nan=NO_STRIKE)
+        )
+        wants = slice(1, 1 + len(self.want))
         conditions = [
             {
                 "type": kind,
-                "fun": lambda place, rows=rows: -at(place)[0][rows],
-                "jac": lambda place, rows=rows: -at(place)[1][rows],
+                "fun": lambda place, rows=rows: -value(place)[rows],
+                "jac": lambda place, rows=rows: -slopes(place)[rows],
             }
-            for kind, rows in (("eq", wants), ("ineq", limits))
+            for kind, rows in (("eq", wants), ("ineq", slice(wants.stop, None)))
         ]
         found = minimize(
-            lambda place: at(place)[0][0],
+            lambda place: value(place)[0],
             start,
-            jac=lambda place: at(place)[1][0],
+            jac=lambda place: slopes(place)[0],
             bounds=[(0.0, 1.0)] * start.size,
             constraints=conditions,
             method="SLSQP",
@@ -310,8 +296,8 @@ class Search:
         return place if self.largest_miss(place) <= MET else start
 
 
-def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array]]:
-    """Return a function of one point that returns the values of ``function`` and their derivatives.
+def with_derivatives(function: Function) -> tuple[Function, Function]:
+    """Return two functions of one point: the values of ``function``, and their derivatives.
 
     The derivatives are finite differences within the ranges; a derivative that is not finite is 0.
     The values have the shape (values,), the derivatives (values, parameters). One call of
@@ -328,4 +314,4 @@ def with_derivatives(function: Function) -> Callable[[Array], tuple[Array, Array
         lows, highs = np.split(values[:, 1:], 2, axis=1)
         return values[:, 0], np.nan_to_num((highs - lows) / np.diagonal(high - low))
 
-    return lambda place: at(place.tobytes())
+    return lambda place: at(place.tobytes())[0], lambda place: at(place.tobytes())[1]

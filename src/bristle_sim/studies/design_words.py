@@ -11,38 +11,36 @@ from bristle_sim.comparison import Report
 from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import key_unit
 from bristle_sim.readable import amount, plain_number, readable_unit
-from bristle_sim.studies.design_search import Question
+from bristle_sim.studies.design_search import Search
 from bristle_sim.studies.whole_pass import QUANTITIES
 
 DECIMALS = 4  # decimals of a quantity in its readable unit; further decimals are rounding error
 
 
-def tool_in_words(
-    question: Question, varied: Mapping[str, float], report: Report, met: bool
-) -> str:
+def tool_in_words(search: Search, varied: Mapping[str, float], report: Report, met: bool) -> str:
     """Return the clause on the tool found and on its pass: the quantities wanted, limited, or
     minimised, and the outcome.
 
     Args:
-        question: the statement of the design.
+        search: the statement of the design.
         varied: the parameters of the tool.
         report: report of the simulated pass.
         met: whether the conditions are met, and the goal is therefore least.
     """
     reached = {each.name: each.simulated for each in report.quantities}
-    extreme = "highest" if question.sense < 0.0 else "lowest"
-    names = [*question.at_most, *question.want]
+    extreme = "highest" if search.sense < 0.0 else "lowest"
+    names = [*search.at_most, *search.want]
     parts = {name: f"a {_quantity(name, reached[name])}" for name in names}
-    if question.goal and met:
-        parts[question.goal] = f"the {extreme} {_quantity(question.goal, reached[question.goal])}"
+    if search.goal and met:
+        parts[search.goal] = f"the {extreme} {_quantity(search.goal, reached[search.goal])}"
     tool = listed([_key(key, value) for key, value in varied.items()])
     return f"with {tool} the pass has {listed([*parts.values()])}, and the tip {report.outcome_in_words}"
 
 
-def conflict_in_words(question: Question, conflict: Sequence[str]) -> str:
+def conflict_in_words(search: Search, conflict: Sequence[str]) -> str:
     """Return the clause that no tool in the ranges meets all of the conflicting conditions."""
     parts = [
-        f"a {_quantity(name, question.conditions[name], '' if name in question.want else 'at most ')}"
+        f"a {_quantity(name, search.conditions[name], '' if name in search.want else 'at most ')}"
         for name in conflict
     ]
     return f"no tool in these ranges has {'both ' if len(conflict) == 2 else ''}{listed(parts)}"
@@ -59,7 +57,7 @@ def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:
     """Return the sentence on the range of each parameter in which all wants stay met."""
-    ranges = listed([_range(key, *ends) for key, ends in kept.items()])
+    ranges = listed([_key(key, *ends) for key, ends in kept.items()])
     return f"The wants are kept, to 1 % or 1°, with {ranges}, one key at a time."
 
 
@@ -77,14 +75,10 @@ def _quantity(name: str, value: float | None, most: str = "") -> str:
     return f"{label} of {most}{amount((round(value / size, DECIMALS) + 0.0) * size, unit, 5)}"
 
 
-def _key(key: str, value: float) -> str:
-    """Return a parameter with its value and unit, for example ``hub_speed 2500 rpm``."""
+def _key(key: str, *values: float) -> str:
+    """Return a parameter with its value and unit, or with the two ends of its range: ``hub_speed
+    2500 rpm``, ``hub_speed from 2451.2 to 2548.1 rpm``.
+    """
     unit, size = display_unit(key, key_unit(key))
-    return f"{key} {plain_number(value / size, 5)} {unit}".rstrip()
-
-
-def _range(key: str, low: float, high: float) -> str:
-    """Return the range of a parameter, for example ``hub_speed from 2451.2 to 2548.1 rpm``."""
-    unit, size = display_unit(key, key_unit(key))
-    ends = " to ".join(plain_number(each / size, 5) for each in (low, high))
-    return f"{key} from {ends} {unit}".rstrip()
+    texts = [plain_number(each / size, 5) for each in values]
+    return f"{key} {'from ' if len(texts) > 1 else ''}{' to '.join(texts)} {unit}".rstrip()
