@@ -6,12 +6,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, VERMILION
 from bristle_sim.render.style import add_panel, blank_figure, styled
-from bristle_sim.studies.crater_study import MEASURED, CraterStudy, cut_of
-from bristle_sim.theory.crater import (
-    energy_crater_depth_ratio,
-    merchant_crater_depth,
-    merchant_crater_depth_limit,
-)
+from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 
 MICRO = 1e6  # micrometres in a metre
 
@@ -50,23 +45,16 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
 
     The sum of work and energy, which gives millimetres, is left out.
     """
-    crater = study.crater
-    force = study.craters.get("parallel")
-    rows = []
-    ratio = float(
-        energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time)
-    )
-    if study.angles is not None:
-        cut = cut_of(crater, study.wire_diameter)
-        name = f"Merchant, {crater.plies:g} plies"
-        rows.append((name, float(merchant_crater_depth(plies=crater.plies, **cut)), BLUE))
-        rows.append(("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE))
-    rows.append(("ratio of sums (4.66), 5 plies", ratio, GREEN))
-    if force is not None and force.shear_plane_emerges:
-        rows.append(("simulated force", force.depth_from_force, VERMILION))
-        rows.append(("simulated energy", force.depth_from_energy, VERMILION))
-    if (inclined := study.craters.get("inclined")) is not None:
-        rows.append(
-            ("simulated energy,\nshear to the surface", inclined.depth_from_energy, VERMILION)
-        )
-    return [(name, MICRO * depth, color) for name, depth, color in rows]
+    looks = {
+        "merchant_crater_depth": (f"Merchant, {study.crater.plies:g} plies", BLUE),
+        "merchant_crater_depth_limit": ("Merchant, limit", BLUE),
+        "ratio_of_sums": ("ratio of sums (4.66), 5 plies", GREEN),
+        "contact_force_depth": ("simulated force", VERMILION),
+        "contact_energy_depth": ("simulated energy", VERMILION),
+        "contact_energy_depth_inclined": ("simulated energy,\nshear to the surface", VERMILION),
+    }
+    return [
+        (words, MICRO * study.depths[name], color)
+        for name, (words, color) in looks.items()
+        if name in study.depths
+    ]

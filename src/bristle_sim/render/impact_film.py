@@ -201,13 +201,12 @@ class ImpactFilm(Film):
         self.moving = [*self.tip.moving, *self.hands, *(each for each, *_ in self.markers)]
         history = struck.contact.history
         assert history is not None
-        source = f" ({impacts.timing})" if impacts.timing else ""
         compressed, touched = (
             f"{each * clock.factor:.4g} {clock.unit}"
             for each in (compression_end(history), motion.touch_end)
         )
         surface = impacts.surface
-        words = f"compression {compressed}{source}\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
+        words = f"compression {compressed} ({impacts.timing})\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
         self.figure.text(0.98, 0.985, words, ha="right", va="top", color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ class Impacts:
         contact: the requested contact.
         strikes: results by law.
         refusals: reasons why other laws have no result, by law.
-        timing: how the duration of the contact in a film was chosen.
+        timing: how the duration of the contact in time was chosen.
     """
 
     chain: Chain
@@ -32,7 +32,7 @@ class Impacts:
     contact: Contact
     strikes: dict[str, ChainStrike]
     refusals: dict[str, str]
-    timing: str = ""
+    timing: str
 
 
 def all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
@@ -46,10 +46,9 @@ def all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Setting
     strikes = dict[str, ChainStrike]()
     refusals = dict[str, str]()
     for law in LAWS:
+        elastic = 0.0 if law == "engine" else contact.tangential_compliance
+        other = Contact(law, tangential_compliance=elastic)
         try:
-            other = Contact(
-                law, tangential_compliance=contact.tangential_compliance if law != "engine" else 0.0
-            )
             strikes[law] = strike(
                 chain, surface, contact if law == contact.law else other, settings
             )
@@ -57,4 +56,5 @@ def all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Setting
             if law == contact.law:
                 raise
             refusals[law] = str(error)
-    return Impacts(chain, surface, contact, strikes, refusals)
+    timing = "rigid-body limit" if contact.duration is None else "contact_duration as requested"
+    return Impacts(chain, surface, contact, strikes, refusals, timing)

@@ -11,10 +11,9 @@ and a shallower crater. Below some C the shear plane no longer comes out of the 
 a C may fit the depth, but makes no chip.
 """
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from bristle_sim.comparison import Quantity, Report, Values, rows
@@ -26,20 +25,12 @@ from bristle_sim.studies.timed_contact import TimedContact, contact_fields, time
 from bristle_sim.theory import crater as chapter_4
 from bristle_sim.theory.crater_body import SweptTip
 from bristle_sim.theory.crater_cutting import (
-    ContactCrater,
     crater_depth_from_contact,
     depth_from_energy,
     depth_from_force,
 )
-from bristle_sim.theory.crater_kinematics import (
-    TipFace,
-)
-from bristle_sim.theory.merchant import (
-    CuttingAngles,
-    ShearAngleError,
-    oblique_angles,
-    specific_cutting_energy,
-)
+from bristle_sim.theory.crater_kinematics import TipFace
+from bristle_sim.theory.merchant import ShearAngleError, specific_cutting_energy
 from bristle_sim.theory.merchant import Surface as ShearSurface
 from bristle_sim.theory.monofilament import tip_speed
 
@@ -57,34 +48,26 @@ CONTACT_DEPTHS = {
 }
 
 
+PLIES_OF_RATIO = 5  # number of plies with which the dissertation computes (4.66)
+
+
 @dataclass(frozen=True, slots=True)
 class CraterStudy:
-    """Results of the study, from which its figures are drawn.
+    """Results of the study, from which its figure is drawn.
 
     Attributes:
         crater: parameters of the crater.
-        wire_diameter: diameter of the wire, m.
-        angles: angles of the cut; None if the shear plane does not come out of the surface.
-        no_chip: reason why there are no angles.
+        depths: every estimate of the crater depth (m) by name: the names of FORMULA_DEPTHS and
+            CONTACT_DEPTHS, and ``ratio_of_sums`` for (4.66). Estimates that do not exist are
+            missing.
         contact: the simulated contact; None if the tip does not approach the surface.
         no_contact: reason why there is no contact.
-        craters: craters that the contact cuts, by the surface at which the shear plane ends: one
-            ``parallel`` to the tip's path, or the real surface, ``inclined`` to the path. Empty
-            without a contact.
     """
 
     crater: Crater
-    wire_diameter: float
-    angles: CuttingAngles | None
-    no_chip: str
-    contact: TimedContact | None = None
-    no_contact: str = ""
-    craters: Mapping[str, ContactCrater] = field(default_factory=dict)
-
-    @property
-    def impact_angle(self) -> float:
-        """Return the angle gamma between the tip's path and the surface, rad."""
-        return math.radians(self.crater.impact_angle_deg)
+    depths: dict[str, float]
+    contact: TimedContact | None
+    no_contact: str
 
 
 def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
@@ -94,42 +77,53 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         ValueError: if the parameters leave a formula's range, or the contact of a tip that strikes
             cannot be simulated.
     """
-    study = _study(hub, bristle, crater, settings)
     printed: Values = {}
     if crater == Crater() and bristle == Bristle():  # 300 plies are called converged
         plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
         energy = printed_number("fig. 4.19: crater depth by work and energy")
         printed = dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
-    cut = cut_of(crater, bristle.wire_diameter)
-    plies = int(crater.plies)
-    of_energy = {name: cut[name] for name in ("impact_angle", "compression_time")}
-    depths = {"energy_crater_depth": float(chapter_4.energy_crater_depth(plies, **of_energy))}
     remarks = [
         f"measured: {1e6 * MEASURED:.0f} µm (fig. 4.13)",
         "The depth by work and energy grows with the number of plies, because the force begins near zero. In its"
         " place (4.66) prints a ratio of two sums.",
     ]
-    if study.no_chip:
-        remarks.append(f"no chip by (4.35): {study.no_chip}")
-    else:
+    contact = None
+    no_contact = ""
+    simulated: Values = {}
+    theory: Values = {}
+    fields: dict[str, Any] = {"outcome": "no contact"}
+    try:
+        contact = _compression(hub, bristle, crater, settings)
+    except ValueError as error:
+        if tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio) > 0.0:
+            raise
+        no_contact = str(error)
+    cut = _cut(crater, bristle) | {"compression_time": crater.compression_time}
+    plies = int(crater.plies)
+    of_energy = {name: cut[name] for name in ("impact_angle", "compression_time")}
+    depths = {"energy_crater_depth": float(chapter_4.energy_crater_depth(plies, **of_energy))}
+    try:
         depths["merchant_crater_depth"] = float(chapter_4.merchant_crater_depth(plies=plies, **cut))
         depths["merchant_crater_depth_limit"] = float(chapter_4.merchant_crater_depth_limit(**cut))
-    if study.contact is None:
-        fields: dict[str, Any] = {"outcome": "no contact"}
-        remarks.append(f"no contact simulated: {study.no_contact}")
+    except ShearAngleError as error:
+        remarks.append(f"no chip by (4.35): {error}")
+    if contact is None:
+        remarks.append(f"no contact simulated: {no_contact}")
     else:
-        fields = contact_fields(study.contact)
+        simulated, theory = _contact_depths(contact, crater, bristle)
+        fields = contact_fields(contact)
         remarks.append(
             "The contact's depths assume that all of its force, or all of its energy, cuts a chip by Merchant's relation on a"
             " straight path. The shear plane ends at a surface parallel to the path, as in (4.28), or at the real surface, inclined to it."
         )
-    simulated, theory = _contact_depths(study, bristle)
     try:
         angle = chapter_4.constant_for_crater_depth(MEASURED, plies=plies, **cut)
         constant = math.degrees(angle)
     except ValueError:  # no C gives the measured depth
         constant = None
+    ratio = float(chapter_4.energy_crater_depth_ratio(PLIES_OF_RATIO, **of_energy))
     words = "C for the measured depth"
+    found = depths | simulated | {"ratio_of_sums": ratio}
     return Report(
         **fields,
         quantities=(
@@ -139,8 +133,8 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         ),
         remarks=tuple(remarks),
         extra={"measured_crater_depth": MEASURED},
-        subject=study,
-        answer=_answer(study, depths, simulated, printed),
+        subject=CraterStudy(crater, found, contact, no_contact),
+        answer=_answer(found, printed, no_contact),
     )
 
 
@@ -154,103 +148,90 @@ def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         ValueError: if the tip does not approach, the parameters leave a formula's range, or the
             contact cannot be simulated.
     """
-    study = _study(hub, bristle, crater, settings)
-    if study.no_contact:
-        raise ValueError(study.no_contact)
+    contact = _compression(hub, bristle, crater, settings)
+    depths, _ = _contact_depths(contact, crater, bristle)
     face = TipFace(short_axis=bristle.wire_diameter)
-    return SweptTip(study.craters["inclined"].depth_from_energy, study.impact_angle, face)
+    angle = math.radians(crater.impact_angle_deg)
+    return SweptTip(depths["contact_energy_depth_inclined"], angle, face)
 
 
-def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Values) -> str:
-    chip = "no chip"
-    if (depth := depths.get("merchant_crater_depth")) is not None:
-        chip = amount(depth, "m")
+def _answer(depths: Mapping[str, float], printed: Values, no_contact: str) -> str:
+    names = ("merchant_crater_depth", "energy_crater_depth", "ratio_of_sums")
+    plies, energy, ratio = (
+        amount(depths[name], "m") if name in depths else "no chip" for name in names
+    )
     if (said := printed.get("merchant_crater_depth")) is not None:
-        chip += f" (printed {amount(said, 'm')})"
-    own = sorted(value for value in simulated.values() if value is not None)
-    contact = f"No contact is simulated ({study.no_contact})"
-    if own:
+        plies += f" (printed {amount(said, 'm')})"
+    contact = f"No contact is simulated ({no_contact})"
+    if own := sorted(depths[name] for name in CONTACT_DEPTHS if name in depths):
         contact = f"The simulated contact cuts {' to '.join(dict.fromkeys(amount(each, 'm') for each in (own[0], own[-1])))}"
-    ratio = chapter_4.energy_crater_depth_ratio(
-        5, study.impact_angle, compression_time=study.crater.compression_time
-    )
     return (
-        f"{contact} and Merchant's plies cut {chip}; measured are {amount(MEASURED, 'm')}. Work and energy give"
-        f" {amount(depths['energy_crater_depth'] or 0.0, 'm')}, the ratio of sums printed in their place (eq. 4.66)"
-        f" {amount(float(ratio), 'm')}."
+        f"{contact} and Merchant's plies cut {plies}; measured are {amount(MEASURED, 'm')}. Work and energy give"
+        f" {energy}, the ratio of sums printed in their place (eq. 4.66) {ratio}."
     )
 
 
-def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> CraterStudy:
-    """Simulate the contact and compute the craters that it cuts.
+def _compression(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> TimedContact:
+    """Simulate the compression of the tip's contact; the tip cuts until it is deepest.
 
-    Only compression is simulated, since the tip cuts until it is deepest.
+    Raises:
+        ValueError: if the tip does not approach, or has no width, or no contact lasts as requested.
     """
     if bristle.wire_diameter == 0.0:
         raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")
-    cut = cut_of(crater, bristle.wire_diameter)
-    angles = None
-    no_chip = ""
-    try:
-        angles = oblique_angles(cut["friction"], cut["impact_angle"])
-    except ShearAngleError as error:
-        no_chip = str(error)
-    found = CraterStudy(crater, bristle.wire_diameter, angles, no_chip)
-    surface = Surface(friction=crater.friction, restitution=0.0)
-    timed = {
-        "compression_time": cut.pop("compression_time"),
-        "rate": crater.speed_ratio * hub.speed,
-    }
-    try:
-        contact = timed_contact(hub, bristle, surface, cut["impact_angle"], settings, **timed)
-    except ValueError as error:
-        if tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio) > 0.0:
-            raise
-        return dataclasses.replace(found, no_contact=str(error))
-    columns = contact.history.columns().values()
-    craters = {
-        kind: crater_depth_from_contact(*columns, **cut, surface=kind)
-        for kind in ("parallel", "inclined")
-    }
-    return dataclasses.replace(found, contact=contact, craters=craters)
+    return timed_contact(
+        hub,
+        bristle,
+        Surface(friction=crater.friction, restitution=0.0),
+        math.radians(crater.impact_angle_deg),
+        settings,
+        compression_time=crater.compression_time,
+        rate=crater.speed_ratio * hub.speed,
+    )
 
 
-def _contact_depths(study: CraterStudy, bristle: Bristle) -> tuple[Values, Values]:
+def _contact_depths(
+    contact: TimedContact, crater: Crater, bristle: Bristle
+) -> tuple[dict[str, float], dict[str, float]]:
     """Return the crater depths by the simulated contact, and the same depths by theory.
 
-    In theory the contact is a rigid-body impact whose force is a quarter of a sine wave. Along the
-    path the tip, of speed v, gives up the momentum m v/3 and the energy m v^2/6.
+    Each crater has a surface at which the shear plane ends: one ``parallel`` to the tip's path, or
+    the real surface, ``inclined`` to the path. In theory the contact is a rigid-body impact whose
+    force is a quarter of a sine wave. Along the path the tip, of speed v, gives up the momentum m
+    v/3 and the energy m v^2/6.
     """
-    simulated = dict[str, float]()
-    theory = dict[str, float]()
-    if study.contact is None:
-        return simulated, theory
-    crater = study.crater
-    speed = study.contact.tip_speed
-    energy = bristle.mass * speed**2 / 6.0
-    force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time
+    cut = _cut(crater, bristle)
+    face = TipFace(short_axis=bristle.wire_diameter)
+    energy = bristle.mass * contact.tip_speed**2 / 6.0
+    force = 0.5 * math.pi * bristle.mass * contact.tip_speed / 3.0 / crater.compression_time
     depths: tuple[tuple[ShearSurface, Callable[..., Any], float], ...] = (
         ("parallel", depth_from_force, force),
         ("parallel", depth_from_energy, energy),
         ("inclined", depth_from_energy, energy),
     )
-    face = TipFace(short_axis=bristle.wire_diameter)
-    for name, (kind, depth, load) in zip(CONTACT_DEPTHS, depths, strict=True):
-        found = study.craters[kind]
-        if kind == "inclined" or found.shear_plane_emerges:
-            cutting = (crater.friction, study.impact_angle, crater.shear_yield_stress)
-            specific = specific_cutting_energy(*cutting, kind)
+    simulated = dict[str, float]()
+    theory = dict[str, float]()
+    for name, (surface, depth, load) in zip(CONTACT_DEPTHS, depths, strict=True):
+        found = crater_depth_from_contact(
+            *contact.history.columns().values(), **cut, surface=surface
+        )
+        if found.shear_plane_emerges:
+            angle = cut["impact_angle"]
+            specific = specific_cutting_energy(
+                crater.friction, angle, crater.shear_yield_stress, surface
+            )
             simulated[name] = float(getattr(found, depth.__name__))
-            theory[name] = float(depth(load, specific, study.impact_angle, face))
+            theory[name] = float(depth(load, specific, angle, face))
     return simulated, theory
 
 
-def cut_of(crater: Crater, wire_diameter: float) -> dict[str, Any]:
+def _cut(crater: Crater, bristle: Bristle) -> dict[str, Any]:
     """Return the keyword arguments of the crater formulas for these parameters, in SI units and
     rad.
     """
-    names = ("friction", "shear_yield_stress", "compression_time")
-    return {name: getattr(crater, name) for name in names} | {
+    return {
+        "friction": crater.friction,
+        "shear_yield_stress": crater.shear_yield_stress,
         "impact_angle": math.radians(crater.impact_angle_deg),
-        "wire_diameter": wire_diameter,
+        "wire_diameter": bristle.wire_diameter,
     }

@@ -14,7 +14,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
-from bristle_sim.studies.timed_contact import cubics
+from bristle_sim.studies.timed_contact import integral
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactHistory
 
@@ -77,19 +77,15 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
     later = surface.friction_in_restitution
     impact = energetic_impact(inverse_mass, before, surface.friction, surface.restitution, later)
     (normal, coupling), (_, tangential) = inverse_mass.tolist()
-    ratios = []  # ratio of tangential to normal impulse in each of the four phases
-    for number, slip in enumerate(impact.phase_slip.tolist()):
-        friction = later if number >= 2 else surface.friction
-        if (
-            number >= 2 and slip * coupling > 0.0
-        ):  # slip at rest: friction only keeps the tip on the surface
-            friction = min(friction, normal / (slip * coupling))
-        stick = -coupling / tangential if tangential > 0.0 else 0.0
-        ratios.append(-friction * slip if slip else stick)
-    steps = np.stack([impact.phase_impulse, ratios * impact.phase_impulse])[
-        :, impact.phase_impulse > 0.0
-    ]
-    sums = np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)
+    slip = impact.phase_slip
+    friction = np.array([surface.friction, surface.friction, later, later])
+    # In slip at rest, in restitution, friction only keeps the tip on the surface.
+    friction[2:] *= normal / np.maximum(normal, slip[2:] * coupling * later)
+    stick = -coupling / tangential if tangential > 0.0 else 0.0
+    ratios = np.where(slip, -friction * slip, stick)
+    steps = np.stack([impact.phase_impulse, ratios * impact.phase_impulse])
+    steps = np.hstack([np.zeros((2, 1)), steps[:, impact.phase_impulse > 0.0]])
+    sums = np.cumsum(steps, axis=1)
     normal_speed, slip_speed = np.array(before)[:, None] + inverse_mass @ sums
     return ImpulseCourse(sums[0], normal_speed, slip_speed, impact.phases)
 
@@ -99,5 +95,5 @@ def recorded_course(history: ContactHistory) -> ImpulseCourse:
 
     The normal impulse is the integral of cubic splines through the force samples of each phase.
     """
-    impulse = cubics(history.time, history.normal_force).antiderivative()(history.time)
+    impulse = integral(history.time, history.normal_force)
     return ImpulseCourse(impulse, history.normal_velocity, history.tangential_velocity)

@@ -38,22 +38,27 @@ LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in an
 PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
 
 
-def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
+def cubics(*samples: Array) -> PPoly:
     """Return a piecewise cubic interpolant through samples.
 
     It is smooth except at instants that are sampled more than once, where it may jump. Without
-    slopes each smooth part is a cubic spline, with slopes a cubic Hermite spline. ``time`` has the
-    shape (n,), ``values`` and ``slopes`` have the shape (n, ...).
+    slopes each smooth part is a cubic spline, with slopes a cubic Hermite spline.
+
+    Args:
+        samples: times, shape (n,), values, shape (n, ...), and slopes if they are known, shape
+            (n, ...).
     """
-    coefficients = np.zeros((4, len(time) - 1, *values.shape[1:]))
-    coefficients[3] = values[:-1]  # constant in an interval as short as rounding
-    for first, last in pieces(time):
-        own = time[first:last], values[first:last]
-        piece = (
-            CubicSpline(*own) if slopes is None else CubicHermiteSpline(*own, slopes[first:last])
-        )
-        coefficients[:, first : last - 1] = piece.c
-    return PPoly(coefficients, time)
+    kind = CubicHermiteSpline if len(samples) > 2 else CubicSpline
+    time = samples[0]
+    parts = [kind(*(each[first:last] for each in samples)) for first, last in pieces(time)]
+    starts = np.concatenate([each.x[:-1] for each in parts])
+    coefficients = np.concatenate([each.c for each in parts], axis=1)
+    return PPoly(coefficients, np.append(starts, time[-1]))
+
+
+def integral(time: Array, values: Array) -> Array:
+    """Return the integral of sampled values from the first instant to each, by cubic splines."""
+    return np.asarray(cubics(time, values).antiderivative()(time))
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
@@ -144,7 +149,7 @@ class TimedContact:
     @property
     def path(self) -> Array:
         """Length of the tip's path since the first touch, m."""
-        return self._sums(np.hypot(self.history.normal_velocity, self.history.tangential_velocity))
+        return integral(self.time, np.abs(self._tip_velocity))
 
     @property
     def rate(self) -> Array:
@@ -169,9 +174,6 @@ class TimedContact:
         chain = self.chain
         angle = chain.hub_angle + chain.hub_speed * self.time
         return np.asarray(chain.hub_radius * chain.hub_speed * np.exp(1j * angle))
-
-    def _sums(self, values: Array) -> Array:
-        return np.asarray(cubics(self.time, values).antiderivative()(self.time))
 
 
 def timed_contact(
@@ -225,15 +227,11 @@ def timed_contact(
         )
         found = strike(chain, surface, Contact("compliant", duration), settings)
         contact = TimedContact(chain, found)
-        history = found.contact.history
-        values = (0.0, 0.0)
-        if history is not None and history.normal_force.max() > 0.0:
-            values = contact.compression_time, contact.compressive_impulse
-        if not min(values) > 0.0:
+        if found.contact.history is None or not contact.compressive_impulse > 0.0:
             raise ValueError(
                 f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s"
             )
-        return contact, values
+        return contact, (contact.compression_time, contact.compressive_impulse)
 
     # In restitution the spring is stiffer by 1/e*^2, and the tip's response to it is proportional
     # to s_2 instead of s_1.
@@ -261,17 +259,14 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
 
     A requested duration is kept. Otherwise the report's contact is so short that the rods are
     practically at rest during it (the rigid-body limit). That contact is kept too if 50 us are too
-    short or too long for these rods. ``timing`` of the result states how the duration was chosen.
+    short or too long for these rods.
     """
-    if impacts.contact.duration is not None:
-        return dataclasses.replace(impacts, timing="contact_duration as requested")
-    limit = dataclasses.replace(impacts, timing="rigid-body limit")
     found = impacts.strikes.get("compliant")
+    if found is None or impacts.contact.duration is not None:
+        return impacts
     duration = 2.0 * PRINTED_COMPRESSION
-    if found is None or math.hypot(*found.contact.velocity_before) * duration > min(
-        impacts.chain.lengths
-    ):
-        return limit
+    if math.hypot(*found.contact.velocity_before) * duration > min(impacts.chain.lengths):
+        return impacts
 
     def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
         law = Contact("compliant", duration)
@@ -279,13 +274,12 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
         assert found.contact.history is not None  # it is resolved in time
         return found, (compression_end(found.contact.history),)
 
+    wanted = np.array([PRINTED_COMPRESSION])
     try:
-        visible = _adjusted(
-            struck, np.array([duration]), np.array([PRINTED_COMPRESSION]), REQUEST_TOLERANCE
-        )
+        visible = _adjusted(struck, np.array([duration]), wanted, REQUEST_TOLERANCE)
     except ValueError:
-        return limit
-    strikes = {**impacts.strikes, "compliant": visible}
+        return impacts
+    strikes = impacts.strikes | {"compliant": visible}
     return dataclasses.replace(impacts, strikes=strikes, timing="as printed, for the film")
 
 
