@@ -89,8 +89,8 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     ]
     contact = None
     no_contact = ""
-    simulated: Values = {}
-    theory: Values = {}
+    simulated = dict[str, float]()
+    theory = dict[str, float]()
     fields: dict[str, Any] = {"outcome": "no contact"}
     try:
         contact = _compression(hub, bristle, crater, settings)
