@@ -135,6 +135,7 @@ class EngineSpace:
         act: Callable[[], None] | None = None,
         *,
         symmetric: bool = False,
+        middle: list[list[float]] | None = None,
     ) -> list[float]:
         """Take engine steps of equal length.
 
@@ -144,6 +145,8 @@ class EngineSpace:
             act: function that is called before each step.
             symmetric: whether the steps are symmetric in time. The bodies must have been placed
                 where they would have been half a step earlier.
+            middle: list to which the angles and rates of all links after half of the steps are
+                added; None without them.
 
         Returns:
             The angles of all links, then their rates, then their accelerations in the last step, or
@@ -151,30 +154,35 @@ class EngineSpace:
         """
         self.steps += count
         self.work += count * self._price
-        ratio = LONGEST_WARM_RATIO if count > 1 else LONGEST_SINGLE_RATIO
-        if length > ratio * self._last_length:
+        if length > LONGEST_SINGLE_RATIO * self._last_length and (
+            count == 1 or length > LONGEST_WARM_RATIO * self._last_length
+        ):
             self._forget_impulses(length)
         self._last_length = length
         if symmetric:
             self.joint_solver.begin_symmetric()
         engine_step = self._engine_step
         solve = self._solve
+        half = count // 2
         last = 2 if symmetric else 1
         links = self._links
+        angle = lib.cpBodyGetAngle
         rate = lib.cpBodyGetAngularVelocity
         for left in range(count, 0, -1):
+            if left == half and middle is not None:
+                middle.append([*map(angle, links), *map(rate, links)])
             if left == last:
-                before = [rate(link) for link in links]
+                before = [*map(rate, links)]
             if act is not None:
                 act()
             engine_step(length)
             if solve is not None:
                 solve(length)
-        after = [rate(link) for link in links]
+        after = [*map(rate, links)]
         if len(links) == 1:
             # A single link needs no lists, which would make a pass slower by a thirtieth.
-            return [lib.cpBodyGetAngle(links[0]), *after, (after[0] - before[0]) / length]
-        angles = self.angles()
+            return [angle(links[0]), *after, (after[0] - before[0]) / length]
+        angles = [*map(angle, links)]
         if symmetric:
             self.joint_solver.symmetric = False
             angles = [a + 0.5 * length * rate for a, rate in zip(angles, after, strict=True)]

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from operator import mul
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
@@ -204,7 +203,6 @@ class Extrapolation:
         A repetition is left out if its rounding error would exceed the tolerance.
         """
         symmetric = scene.mechanism.jointed and (load is None or load.symmetric)
-        take = partial(scene.step, symmetric=True) if symmetric else scene.step
         halved = load is None and not symmetric
         table = self.table = EVEN if symmetric else HALVED if halved else self._given
         known: dict[int, float] = {}
@@ -217,9 +215,9 @@ class Extrapolation:
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
             act = None if load is None else load.begin(step, symmetric=symmetric)
-            if halved:
-                halves.append(take(step, count // 2, act)[: 2 * links])
-            values = take(step, count // 2 if halved else count, act)
+            values = scene.step(
+                step, count, act, symmetric=symmetric, middle=halves if halved else None
+            )
             results.append(values)
             if load is not None:
                 values += load.totals()

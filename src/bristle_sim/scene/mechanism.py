@@ -55,10 +55,8 @@ class Link:
 
     def pose(self, joint: complex, velocity: complex, turn: complex) -> Pose:
         """Return the link's position; ``turn`` is e^{i angle}."""
-        corners = [joint]
-        for corner in self.corners[1:]:
-            corners.append(joint + turn * corner)
-        return Pose(joint, velocity, turn * self.centre, tuple(corners))
+        corners = [joint + turn * corner for corner in self.corners[1:]]
+        return Pose(joint, velocity, turn * self.centre, (joint, *corners))
 
 
 class State(NamedTuple):
@@ -171,16 +169,16 @@ class Mechanism:
         The poses hold numbers, or arrays over times if the arguments are arrays with one row for
         each link; ``exp`` is the exponential function of these.
         """
-        poses = []
-        for number, (link, angle, rate) in enumerate(zip(self.links, angles, rates, strict=True)):
+        poses: list[Pose] = []
+        for number, link in enumerate(self.links):
             if number % self.wire_links == 0:
                 joint = -1j * self.hub_radius * exp(1j * self.root_angle(time, number))
                 velocity = 1j * self.hub_speed * joint
-            pose = link.pose(joint, velocity, exp(1j * angle))
-            poses.append(pose)
-            tip = pose.corners[-1]
-            velocity = velocity + 1j * rate * (tip - joint)
-            joint = tip
+            else:
+                carrier = poses[-1]
+                joint = carrier.corners[-1]
+                velocity = velocity + 1j * rates[number - 1] * (joint - carrier.joint)
+            poses.append(link.pose(joint, velocity, exp(1j * angles[number])))
         return poses
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
@@ -252,42 +250,3 @@ def cross(arm: complex, direction: complex) -> float:
     For a unit vector as the direction this is the lever of the force.
     """
     return (arm.conjugate() * direction).imag
-
-
-class Curve:
-    """Interpolating polynomial of the motion, through the angles and rates of two states (cubic) or
-    three states (quintic).
-    """
-
-    def __init__(self, *states: State) -> None:
-        """Compute each link's coefficients in Newton's form, by divided differences."""
-        times = [state.time for state in states for _ in range(2)]
-        self._nodes = times[-2::-1]
-        self._links = []
-        for angles, rates in zip(
-            zip(*(state.angles for state in states), strict=True),
-            zip(*(state.rates for state in states), strict=True),
-            strict=True,
-        ):
-            column = [angle for angle in angles for _ in range(2)]
-            for order in range(1, len(times)):
-                for last in range(len(times) - 1, order - 1, -1):
-                    span = times[last] - times[last - order]
-                    change = column[last] - column[last - 1]
-                    column[last] = change / span if span else rates[last // 2]
-            self._links.append(column[::-1])
-
-    def __call__(self, time: float) -> State:
-        """Return the interpolated state at a time."""
-        distances = [time - node for node in self._nodes]
-        angles = []
-        rates = []
-        for highest, *others in self._links:
-            value = highest
-            rate = 0.0
-            for distance, coefficient in zip(distances, others, strict=True):
-                rate = rate * distance + value
-                value = value * distance + coefficient
-            angles.append(value)
-            rates.append(rate)
-        return State(time, tuple(angles), tuple(rates))

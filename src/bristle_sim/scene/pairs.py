@@ -74,10 +74,11 @@ Line = tuple[complex, complex]
 def _nearest(point: complex, line: Line) -> complex:
     """Return the point of a segment that is nearest to a given point."""
     start, end = line
-    along = ((point - start) / (end - start)).real
+    span = end - start
+    along = ((point - start) / span).real
     if along <= 0.0:
         return start
-    return end if along >= 1.0 else start + along * (end - start)
+    return end if along >= 1.0 else start + along * span
 
 
 def components(velocity: complex, normal: complex) -> Vector:
@@ -101,7 +102,7 @@ class FixedPair(ABC):
         """Return the straight segments of a link that can touch, from the link's corners."""
 
     @abstractmethod
-    def touch(self, line: Line) -> tuple[float, complex, complex]:
+    def touch(self, start: complex, end: complex) -> tuple[float, complex, complex]:
         """Return the gap of a straight segment, the contact point and the normal."""
 
     def closest(
@@ -112,13 +113,13 @@ class FixedPair(ABC):
         If two straight segments touch, the segment that approaches faster is used. ``piece``
         selects a segment by index instead.
         """
-        pose = poses[self.link]
+        joint, carried, _, corners = poses[self.link]
         spin = 1j * rates[self.link]
         touches = []
-        for index, line in enumerate(self.lines(pose.corners)):
-            gap, point, normal = self.touch(line)
-            arm = point - pose.joint
-            velocity = components(pose.velocity + spin * arm, normal)
+        for index, (start, end) in enumerate(self.lines(corners)):
+            gap, point, normal = self.touch(start, end)
+            arm = point - joint
+            velocity = components(carried + spin * arm, normal)
             touches.append(ClosestApproach(gap, arm, normal, velocity, index))
         if piece is not None or len(touches) == 1:
             return touches[piece or 0]
@@ -180,12 +181,15 @@ class BarPair(FixedPair):
         """Return all straight segments of the link."""
         return [*itertools.pairwise(corners)]
 
-    def touch(self, line: Line) -> tuple[float, complex, complex]:
+    def touch(self, start: complex, end: complex) -> tuple[float, complex, complex]:
         """Return the gap of a straight segment with round ends, the contact point on its surface,
         and the normal.
         """
-        place = _nearest(self.centre, line)
-        away = place - self.centre
+        centre = self.centre
+        span = end - start
+        along = ((centre - start) / span).real
+        place = start + along * span if 0.0 < along < 1.0 else start if along <= 0.0 else end
+        away = place - centre
         distance = abs(away)
         normal = away / (distance or 1.0)  # at the centre the normal is undefined
         thickness = self.wire_radius
@@ -215,7 +219,7 @@ class BarPair(FixedPair):
                 ends[2 * index + 1] >= 0.0 if index < piece else ends[2 * index] <= 0.0
             )
             if index != piece and not at_shared_corner:
-                gaps.append(self.touch(line)[0])
+                gaps.append(self.touch(*line)[0])
         return min(gaps)
 
 
@@ -241,10 +245,9 @@ class WorkpartPair(FixedPair):
         """Return the segment from the link's joint to the corner that touches."""
         return [(corners[0], corners[self.corner])]
 
-    def touch(self, line: Line) -> tuple[float, complex, complex]:
-        """Return the gap of the corner, the corner and the normal, which is +y."""
-        corner = line[1]
-        return corner.imag + self.depth + self.dent, corner, 1j
+    def touch(self, _: complex, end: complex) -> tuple[float, complex, complex]:
+        """Return the gap of the corner ``end``, the corner and the normal, which is +y."""
+        return end.imag + self.depth + self.dent, end, 1j
 
 
 @dataclass(frozen=True, slots=True)

@@ -293,7 +293,7 @@ class LinkVelocity:
         (contact,) = contacts
         pair = contact.pair
         assert isinstance(pair, FixedPair), "a single link has no neighbour"
-        self._pair = pair
+        self._touch = pair.touch
         self._line = pair.lines(self._corners)[contact.piece or 0]
         self._ratio = -pair.friction * (contact.slip or 0)
 
@@ -304,7 +304,7 @@ class LinkVelocity:
         start, end = self._line
         for _ in range(NEWTON_ROUNDS):
             turn = rect(1.0, angle)
-            gap, point, normal = self._pair.touch((joint + turn * start, joint + turn * end))
+            gap, point, normal = self._touch(joint + turn * start, joint + turn * end)
             across = 1j * normal.conjugate()
             lever = ((point - joint) * across).real
             if abs(lever) < LEAST_LEVER:
@@ -332,7 +332,7 @@ class LinkVelocity:
             joint *= rect(1.0, _angle(self._hub))
         turn = rect(1.0, _angle(body))
         start, end = self._line
-        _, point, normal = self._pair.touch((joint + turn * start, joint + turn * end))
+        _, point, normal = self._touch(joint + turn * start, joint + turn * end)
         damping = step * self._damping
         inertia = self._inertia + damping
         rate = (self._inertia * _rate(body) + damping * speed) / inertia
