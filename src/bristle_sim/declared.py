@@ -9,117 +9,283 @@ import dataclasses
 import functools
 import inspect
 import math
-import re
 import textwrap
 import warnings
-from dataclasses import field
+from contextlib import suppress
+from dataclasses import KW_ONLY, dataclass
+from numbers import Real
+from pathlib import Path
 from typing import Any
 
-from bristle_sim.units import Choice, Range, likely_key, unusual_value
+from bristle_sim.readable import plain_number
+from bristle_sim.units import (
+    GROUPED,
+    TYPED,
+    conversion,
+    display_unit,
+    likely_unit,
+    meant_unit,
+    scaled,
+    shown,
+)
 
-ANY = (0.0, math.inf)
-"""Value of ``usual`` for a number whose default does not indicate likely values, such as an
-accuracy: no magnitude causes a warning."""
-
-RULE = re.compile(r"(\S+) (<=?) (\w+) <= ([^\s:]+)(?: ([^:\[]+?))?(?:: (.+?))?(?: \[(.+)\])?")
-"""Pattern of the text that declares a number: range, unit, meaning and source.
-
-An example is ``0 <= hub_radius <= 10 m: radius of the root circle [Zhang 2020, eq. 2.2]``."""
+FAR = 100.0  # largest factor, up or down, between a usual value and its default
 
 
-def quantity(
-    default: float | None,
-    rule: str,
-    *,
-    usual: tuple[float, float] | None = None,
-    needs: str = "",
-    whole: bool = False,
-) -> Any:
-    """Declare a dataclass field for a real number.
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """Declaration of a parameter: its key, unit, default, meaning and source.
 
-    Args:
-        default: default value; None makes the parameter optional.
-        rule: range, unit, meaning and source, in the form of :data:`RULE`.
+    Attributes:
+        key: name of the parameter on the command line and in messages.
+        unit: unit of a number, "1" for a pure number; otherwise the kind of the text: ``word``,
+            ``file``, ``folder`` or ``column``.
+        source: source of the default.
+        default: default value.
+        meaning: meaning of the value, in words.
+        optional: whether the value may be None.
+        needs: condition on another key without which this key has no effect, such as ``contact =
+            compliant``.
+    """
+
+    key: str
+    unit: str = "word"
+    _: KW_ONLY
+    source: str = ""
+    default: Any = None
+    meaning: str = ""
+    optional: bool = False
+    needs: str = ""
+
+    @property
+    def allowed(self) -> str:
+        """Requirement on the value, in words, for messages and listings."""
+        texts = {
+            "file": "a readable file",
+            "folder": "the name of a folder",
+            "column": "the heading of a column, or its number from 1 on",
+        }
+        return texts[self.unit]
+
+    @property
+    def displayed_range(self) -> str:
+        """Requirement on the value in the customary unit, for listings."""
+        return self.allowed
+
+    def displayed(self, value: Any) -> str:
+        """Return a value as text, for a number with five digits in its customary unit: ``27 mm``."""
+        return "none" if value is None else str(value)
+
+    def read(self, given: Any) -> Any:
+        """Return the value of a typed text or another object; None and ``none`` leave out an
+        optional parameter.
+        """
+        absent = given is None or (isinstance(given, str) and given.strip() == "none")
+        return None if absent and self.optional else self.parse(given)
+
+    def parse(self, text: Any) -> Any:
+        """Return the value of a typed text; see ``check``."""
+        return self.check(text)
+
+    def check(self, value: Any) -> Any:
+        """Return a value after a check that it is a text that meets the requirement.
+
+        Raises:
+            ValueError: if the value is no text, is empty, or names no readable file where it must;
+                the message names key, value and rule.
+        """
+        if isinstance(value, str) and value.strip():
+            with suppress(OSError, ValueError):  # a name too long, a null character
+                if self.unit != "file" or Path(value).is_file():
+                    return str(value)
+        raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
+
+    def unusual(self, _value: Any, _given: Any) -> str:
+        """Return a warning that a value is unusual; empty for a usual value, and for every text."""
+        return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice(Declaration):
+    """Declaration of a parameter whose value is one of a few words, its ``options``."""
+
+    options: tuple[str, ...] = ()
+
+    @property
+    def allowed(self) -> str:
+        """The permitted words, for messages and listings."""
+        return " | ".join(self.options)
+
+    def check(self, value: Any) -> str:
+        """Return a value after a check that it is one of the permitted words.
+
+        Raises:
+            ValueError: for any other value; the message names key, value and permitted words.
+        """
+        if not isinstance(value, str) or value not in self.options:
+            raise ValueError(f"{self.key} = {shown(value)}: must be one of {self.allowed}")
+        return str(value)
+
+
+@dataclass(frozen=True, slots=True)
+class Range(Declaration):
+    """Declaration of a parameter that is a real or whole number.
+
+    Attributes:
+        lowest, highest: ends of the range.
+        lowest_allowed: whether the range includes its lower end.
         usual: smallest and largest magnitude that causes no warning; None means within a factor of
             100 of the default.
-        needs: condition on another key without which this key has no effect.
-        whole: whether the number must be whole.
+        whole: whether the number must be whole; its value is then an int.
     """
-    found = RULE.fullmatch(rule)
-    assert found is not None, rule
-    lowest, sign, key, highest, unit, meaning, source = found.groups("")
-    words = (source, default is None, meaning, usual, needs, whole)
-    return declared_field(
-        default, Range(key, unit or "1", float(lowest), float(highest), sign == "<=", *words)
-    )
 
+    lowest: float = -math.inf
+    highest: float = math.inf
+    lowest_allowed: bool = True
+    _: KW_ONLY
+    usual: tuple[float, float] | None = None
+    whole: bool = False
 
-count = functools.partial(quantity, usual=ANY, whole=True)
-"""Declare a dataclass field for a whole number between two bounds, both included."""
+    @property
+    def allowed(self) -> str:
+        """The range in words, for messages and listings."""
+        if self.whole:
+            return f"whole number from {self.lowest:.0f} to {self.highest:.0f}"
+        sign = "<=" if self.lowest_allowed else "<"
+        return f"{self.lowest:g} {sign} {self.key} <= {self.highest:g}"
 
+    @property
+    def displayed_range(self) -> str:
+        """The range in the customary unit, for listings."""
+        if self.whole:
+            return self.allowed
+        low, high = (plain_number(end / self.display[1], 5) for end in (self.lowest, self.highest))
+        return f"{low} {'<=' if self.lowest_allowed else '<'} {self.key} <= {high}"
 
-WORDS = re.compile(r"(\w+)(?:: (.+?))?(?: \[(.+)\])?")
-"""Pattern of the text that declares a word: key, meaning and source, as in ``contact: law of impact
-[Stronge 1990]``."""
+    @property
+    def display(self) -> tuple[str, float]:
+        """Customary unit of the number, such as mm, and its size in the declared unit.
 
+        The unit is "" for a pure number.
+        """
+        return display_unit(self.key, self.unit)
 
-def words_of(rule: str) -> dict[str, Any]:
-    """Return key, meaning and source from the text that declares a word, in the form of
-    :data:`WORDS`.
-    """
-    found = WORDS.fullmatch(rule)
-    assert found is not None, rule
-    return dict(zip(("key", "meaning", "source"), found.groups(""), strict=True))
+    def displayed(self, value: Any) -> str:
+        """Return a number as text with five digits in its customary unit, for example ``27 mm``."""
+        if value is None or self.whole:
+            return "none" if value is None else str(value)
+        unit, size = self.display
+        return f"{plain_number(value / size, 5)} {unit}".rstrip()
 
+    def with_display_unit(self, text: str) -> str:
+        """Add the customary unit to a typed number that has no unit: ``30`` becomes ``30 mm``.
 
-def choice(rule: str, *options: str) -> Any:
-    """Declare a dataclass field whose value is one of a few words; the first is the default.
+        The result can be passed to :meth:`parse`.
+        """
+        typed = TYPED.fullmatch(text.strip())
+        bare = typed is not None and not typed["unit"]
+        return f"{text.strip()} {self.display[0]}".rstrip() if bare else text
 
-    ``rule`` gives key, meaning and source, in the form of :data:`WORDS`.
-    """
-    return declared_field(options[0], Choice(options=options, **words_of(rule)))
+    def parse(self, text: Any) -> float:
+        """Return the value of a typed number in the declared unit, after a check of its range.
 
+        A number with a unit, such as ``27mm``, is converted. A number without a unit is taken to be
+        in the declared unit. A value that is no text is checked alone.
 
-def declared_field(default: Any, declared: Any) -> Any:
-    """Return a dataclass field that carries its declaration as metadata."""
-    return field(default=default, metadata={"declaration": declared})
+        Raises:
+            ValueError: in one line, if the text is no decimal number, its unit has another
+                dimension, or its value is out of range.
+        """
+        if not isinstance(text, str):
+            return self.check(text)
+        typed = TYPED.fullmatch(text.strip())
+        if typed is None:
+            meant = text.strip().replace(",", "" if GROUPED.match(text.strip()) else ".")
+            likely = TYPED.fullmatch(meant)  # a comma for thousands, or a decimal one
+            raise self.refusal(text, f"; did you mean {meant}?" if likely else "")
+        number = float(typed["number"])
+        if unit := typed["unit"]:
+            factor = conversion(unit, self.unit)
+            if factor is None:
+                why = f", to which {unit} cannot be converted{likely_unit(unit, self.unit)}"
+                raise self.refusal(text, why)
+            number = scaled(number, factor)
+        return self.check(number, text)
+
+    def check(self, value: Any, typed: str | None = None) -> float:
+        """Return a value after a check of its range, as a float, or as an int if it must be whole.
+
+        A negative zero becomes 0.
+
+        Args:
+            value: value in the declared unit.
+            typed: text from which the value was read; the message then shows this text.
+
+        Raises:
+            ValueError: if the value is no number or out of range; the message names key, value,
+                range and unit.
+        """
+        number = math.nan
+        if not isinstance(value, bool) and isinstance(value, Real):
+            # integers may be too large, and NumPy's durations are no numbers
+            with suppress(OverflowError, TypeError):
+                number = float(value)
+        if self._holds(number):
+            return int(number) if self.whole else number + 0.0
+        # A number without unit may have been meant in the customary unit, for example 27 in mm.
+        bare = typed or f"{number:g}"
+        size = self.display[1]
+        meant = self.with_display_unit(bare)
+        fits = meant != bare and size < 1.0 and self._holds(scaled(number, size))
+        unreadable = value if math.isnan(number) else number
+        raise self.refusal(typed or unreadable, f"; did you mean {meant}?" if fits else "")
+
+    def _holds(self, number: float) -> bool:
+        """Return whether a number is in the range, and whole where it must be."""
+        above = number >= self.lowest if self.lowest_allowed else number > self.lowest
+        whole = not self.whole or number.is_integer()
+        return above and number <= self.highest and math.isfinite(number) and whole
+
+    def refusal(self, value: Any, why: str = "") -> ValueError:
+        """Return the ValueError for a refused value; ``why`` ends its message."""
+        unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
+        rule = self.allowed if self.whole else f"finite number with {self.allowed}"
+        return ValueError(
+            f"{self.key} = {shown(value)}: must be a {rule} ({unit}{' '.join(why.split())})"
+        )
+
+    def unusual(self, value: Any, given: Any) -> str:
+        """Return a warning that a value is unusual; empty for a usual value.
+
+        If the number may have been meant in another unit, the warning says so.
+
+        Args:
+            value: value in the declared unit.
+            given: value as it was typed or passed.
+        """
+        default = abs(self.default or 0.0)
+        least, most = self.usual or (default / FAR, default * FAR)
+        # The ends include rounding. Zero switches an effect off.
+        if not value or not most or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12):
+            return ""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        ratio = " is unusual"
+        if default:
+            ratio = f" is {value / self.default:.3g} times the default, {self.default:.6g}{unit}"
+        text = given if isinstance(given, str) else f"{float(given):g}"
+        meant = meant_unit(text, self.unit, self.default or math.sqrt(least * most))
+        hint = f"; if it was meant in {meant}: {self.key}='{text.strip()} {meant}'" if meant else ""
+        return f"{self.key} = {value:.6g}{unit}{ratio}{hint}"
 
 
 @functools.cache
-def declared_fields(kind: Any) -> dict[str, tuple[Range | Choice, Any]]:
-    """Return declaration and default of each declared field of a parameter class, by the name of
-    the field.
-    """
+def declarations(kind: Any) -> dict[str, Any]:
+    """Return the declarations of a parameter class, by the names of its fields."""
     return {
-        each.name: (each.metadata["declaration"], each.default)
+        each.name: each.metadata["declaration"]
         for each in dataclasses.fields(kind)
         if each.metadata
     }
-
-
-def declarations(kind: Any) -> dict[str, Range | Choice]:
-    """Return the declarations of a parameter class, by the names of its fields."""
-    return {name: declared for name, (declared, _) in declared_fields(kind).items()}
-
-
-def validate(instance: Any) -> None:
-    """Check every declared field of a frozen dataclass instance, and replace it by its checked
-    value.
-
-    A text such as "27 mm" becomes a number in the declared unit. An unusual value causes a warning.
-
-    Raises:
-        ValueError: for a value that its declaration refuses.
-    """
-    kind: Any = type(instance)
-    for name, (declared, default) in declared_fields(kind).items():
-        given = getattr(instance, name)
-        if given is None and declared.optional:
-            continue
-        value = declared.parse(given)
-        object.__setattr__(instance, name, value)
-        if value != default and (line := unusual_value(declared, default, value, given)):
-            warnings.warn(line, UnusualValueWarning, stacklevel=4)
 
 
 class Computed(float):
@@ -133,10 +299,6 @@ class Computed(float):
 
 class UnusualValueWarning(UserWarning):
     """Warns that a parameter is so far from its default that its unit may be mistaken."""
-
-
-class UnknownFieldError(TypeError, ValueError):
-    """Raised for a keyword argument that is not a field of the parameter class."""
 
 
 class Declared:
@@ -172,19 +334,19 @@ class Declared:
                 )
         cls.__doc__ = "\n".join(lines)
 
-    def __new__(cls, *_: Any, **given: Any) -> Any:
-        """Refuse an unknown keyword argument, and suggest the most similar field.
+    def __post_init__(self) -> None:
+        """Check every declared field, and replace its value by the checked one.
+
+        A text such as "27 mm" becomes a number in the declared unit. An unusual value causes a
+        warning.
 
         Raises:
-            UnknownFieldError: for a keyword argument that is not a field.
+            ValueError: for a value that its declaration refuses.
         """
-        known = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
-        for name in given:
-            if name not in known:
-                raise UnknownFieldError(
-                    f"{cls.__name__}: unknown field {name!r}; {likely_key(name, known)}"
-                )
-        return super().__new__(cls)
-
-    def __post_init__(self) -> None:
-        validate(self)
+        kind: Any = type(self)
+        for name, declared in declarations(kind).items():
+            given = getattr(self, name)
+            value = declared.read(given)
+            object.__setattr__(self, name, value)
+            if value != declared.default and (line := declared.unusual(value, given)):
+                warnings.warn(line, UnusualValueWarning, stacklevel=3)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from numbers import Integral
 
-from bristle_sim.declared import ANY, Declared, quantity
+from bristle_sim.declared import Declared
+from bristle_sim.fields import ANY, quantity
 from bristle_sim.units import shown
 
 MAXIMUM_STEPS = 500_000

@@ -12,12 +12,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.conversion import exact_text
-from bristle_sim.declared import Computed
+from bristle_sim.declared import Computed, Declaration, Range
 from bristle_sim.files import complete_or_absent, named_path
-from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.parameters import FIELDS, KEYS, Tool
 from bristle_sim.parameters.tool import checked_tool
-from bristle_sim.units import Choice, Range, likely_key, shown
+from bristle_sim.units import exact_text, likely_key, shown
 
 ABSENT = "false"  # text that ``read_keys`` returns for an absent part
 
@@ -46,7 +45,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         )  # some editors write a byte order mark first
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path}: must be a TOML file ({error})") from error
-    known = {key for keys in tool_keys().values() for key in keys} | {*further}
+    known = {*KEYS, *further}
     typed = dict[str, str]()
     for key, value in found.items():
         if isinstance(value, dict):
@@ -78,7 +77,7 @@ def read_tool(path: str | Path) -> Tool:
     """
     typed = read_keys(path)
     absent = {part: None for part in MAY_BE_ABSENT if typed.get(part) == ABSENT}
-    idle = {*absent, *(key for part in absent for key in tool_keys()[part])}
+    idle = {*absent, *(each.key for part in absent for each in FIELDS[part].values())}
     try:
         return Tool().replace(
             **absent, **{key: text for key, text in typed.items() if key not in idle}
@@ -100,28 +99,27 @@ def write_tool(tool: Tool, path: str | Path) -> None:
     lines = [
         '# A tool of bristle_sim. A text carries its unit: "27 mm"; a bare number is in SI units, or in degrees in keys with _deg.'
     ]
-    for part, keys in tool_keys().items():
+    for part, fields in FIELDS.items():
         owner = getattr(tool, part) if part else tool
         lines += ["", f"# The {part}."] if part else []
         if owner is None:
             lines.append(f"{part} = false  # absent")
             continue
-        for key, (name, declared) in keys.items():
-            lines += _entry(key, getattr(owner, name), declared)
+        for name, declared in fields.items():
+            lines += _entry(declared, getattr(owner, name))
     with complete_or_absent(named_path(path)) as partial:
         partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:
+def _entry(declared: Declaration, value: Any) -> list[str]:
     """Return the lines of a file for one key: comment and value.
 
     If the value is absent or computed from other keys, its line is a comment too.
     """
     words = f"{declared.meaning} (default: {declared.source})"
     comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")
-    absent = value is None or isinstance(value, Computed)
-    if absent:
-        return [*comment, f"# {key} = none"]
+    if isinstance(value, Computed | None):
+        return [*comment, f"# {declared.key} = none"]
     if isinstance(declared, Range) and declared.unit != "1":
-        value = exact_text(value, key, declared.unit)
-    return [*comment, f"{key} = {json.dumps(value)}"]
+        value = exact_text(value, declared.key, declared.unit)
+    return [*comment, f"{declared.key} = {json.dumps(value)}"]

@@ -1,270 +1,163 @@
-"""Declarations of parameters that are numbers or words: their checks, and the units in which they
-may be typed.
-"""
+"""Numbers with units as users type and read them, conversion factors between units, and advice on
+mistyped words."""
 
 import difflib
+import functools
 import math
 import re
 import reprlib
 from collections.abc import Iterable
-from dataclasses import dataclass
-from numbers import Real
+from pathlib import Path
 from typing import Any
 
-from bristle_sim.conversion import (
-    TYPED,
-    TYPICAL_UNITS,
-    conversion,
-    display_unit,
-    likely_unit,
-    scaled,
-)
 from bristle_sim.readable import plain_number
+
+_UNIT = r"[A-Za-z%\u00b0\u00b5\u03bc]+(?:(?:\^|\*\*)-?\d|[\u00b2\u00b3])?"
+
+TYPED = re.compile(
+    rf"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>{_UNIT}(?:\s*[*/\u00b7 ]\s*{_UNIT})*)?",
+    re.ASCII,
+)
+"""Pattern of a typed decimal number with or without a unit, which may be a product of powers.
+
+Unlike Python's float() it does not accept underscores between digits or digits of other scripts,
+which nobody types on purpose."""
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(?![\d,])")
 """Pattern of a number whose thousands are grouped by commas, as in 3,000 rpm."""
 
-FAR = 100.0  # largest factor, up or down, between a usual value and its default
+TYPICAL_UNITS = (
+    *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
+    *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "mN m/rad", "mN m/deg", "N mm/rad", "N mm/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
+    *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
+)  # fmt: skip
+"""Common units, which are suggested in place of a mistyped unit."""
+
+DISPLAY = {
+    "m": ("mm", 1e-3),
+    "kg": ("mg", 1e-6),
+    "s": ("ms", 1e-3),
+    "rad/s": ("rpm", math.pi / 30.0),
+    "rad": ("deg", math.pi / 180.0),
+    "Pa": ("MPa", 1e6),
+    "1/s": ("Hz", 1.0),
+}
+"""Customary unit, and its size in the declared unit, by the unit in which a parameter is
+declared."""
+
+DISPLAY_OF_KEY = {
+    "wire_modulus": ("GPa", 1e9),
+    "rod_mass": ("g", 1e-3),
+    "rate": ("rad/s", 1.0),
+    "rate_1": ("rad/s", 1.0),
+    "rate_2": ("rad/s", 1.0),
+}
+"""Customary unit, and its size in the declared unit, by key; for keys that differ from
+``DISPLAY``."""
 
 
-@dataclass(frozen=True, slots=True)
-class Range:
-    """Declaration of a parameter that is a real or whole number: unit, range and source.
+def display_unit(key: str, unit: str) -> tuple[str, float]:
+    """Return the customary unit of a parameter, and the unit's size in the declared unit.
 
-    Attributes:
-        key: name of the parameter on the command line and in messages.
-        unit: unit of the number; "1" for a pure number.
-        lowest, highest: ends of the range.
-        lowest_allowed: whether the range includes its lower end.
-        source: source of the default.
-        optional: whether the value may be None.
-        meaning: meaning of the number, in words.
-        usual: smallest and largest magnitude that causes no warning; None means within a factor of
-            100 of the default.
-        needs: condition on another key without which this key has no effect, such as ``contact =
-            compliant``.
-        whole: whether the number must be whole; its value is then an int.
+    >>> display_unit("bristle_length", "m")
+    ('mm', 0.001)
     """
-
-    key: str
-    unit: str
-    lowest: float
-    highest: float
-    lowest_allowed: bool
-    source: str
-    optional: bool = False
-    meaning: str = ""
-    usual: tuple[float, float] | None = None
-    needs: str = ""
-    whole: bool = False
-
-    @property
-    def allowed(self) -> str:
-        """The range in words, for messages and listings."""
-        if self.whole:
-            return f"whole number from {self.lowest:.0f} to {self.highest:.0f}"
-        return (
-            f"{self.lowest:g} {'<=' if self.lowest_allowed else '<'} {self.key} <= {self.highest:g}"
-        )
-
-    @property
-    def display(self) -> tuple[str, float]:
-        """Customary unit of the number, such as mm, and its size in the declared unit.
-
-        The unit is "" for a pure number.
-        """
-        return display_unit(self.key, self.unit)
-
-    def with_display_unit(self, text: str) -> str:
-        """Add the customary unit to a typed number that has no unit: ``30`` becomes ``30 mm``.
-
-        The result can be passed to :meth:`parse`.
-        """
-        typed = TYPED.fullmatch(text.strip())
-        bare = typed is not None and not typed["unit"]
-        return f"{text.strip()} {self.display[0]}".rstrip() if bare else text
-
-    def parse(self, text: Any) -> float:
-        """Return the value of a typed number in the declared unit, after a check of its range.
-
-        A number with a unit, such as ``27mm``, is converted. A number without a unit is taken to be
-        in the declared unit. A value that is no text is checked alone.
-
-        Raises:
-            ValueError: in one line, if the text is no decimal number, its unit has another
-                dimension, or its value is out of range.
-        """
-        if not isinstance(text, str):
-            return self.check(text)
-        typed = TYPED.fullmatch(text.strip())
-        number = math.nan if typed is None else float(typed["number"])
-        meant = text.strip().replace(",", "" if GROUPED.match(text.strip()) else ".")
-        if typed is None and TYPED.fullmatch(meant):  # a comma for thousands, or a decimal one
-            raise self.refusal(text, f"; did you mean {meant}?")
-        if typed is not None and typed["unit"]:
-            factor = conversion(typed["unit"], self.unit)
-            if factor is None:
-                why = f", to which {typed['unit']} cannot be converted{likely_unit(typed['unit'], self.unit)}"
-                raise self.refusal(text, why)
-            number = scaled(number, factor)
-        return self.check(number, text)
-
-    def check(self, value: Any, typed: str | None = None) -> float:
-        """Return a value after a check of its range, as a float, or as an int if it must be whole.
-
-        A negative zero becomes 0.
-
-        Args:
-            value: value in the declared unit.
-            typed: text from which the value was read; the message then shows this text.
-
-        Raises:
-            ValueError: if the value is no number or out of range; the message names key, value,
-                range and unit.
-        """
-        if isinstance(value, bool) or not isinstance(value, Real):
-            raise self.refusal(value)
-        try:
-            number = float(value)
-        except OverflowError:
-            number = -math.inf if value < 0 else math.inf
-        except TypeError:  # NumPy's durations count as whole numbers, but are not numbers
-            raise self.refusal(value) from None
-        if not self._holds(number):
-            raise self.refusal(
-                number if typed is None else typed, self._likely_display_unit(number, typed)
-            )
-        return int(number) if self.whole else number + 0.0
-
-    def _holds(self, number: float) -> bool:
-        """Return whether a number is in the range, and whole where it must be."""
-        above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        whole = not self.whole or number.is_integer()
-        return above and number <= self.highest and math.isfinite(number) and whole
-
-    def _likely_display_unit(self, number: float, typed: str | None) -> str:
-        """Return a hint that a refused number may have been meant in the customary unit.
-
-        It is empty if the number does not lie in the range with that unit either. For example, 27
-        for a length in m may have been meant in mm.
-        """
-        size = self.display[1]
-        bare = typed or f"{number:g}"
-        fits = size < 1.0 and self._holds(scaled(number, size))
-        meant = self.with_display_unit(bare)
-        return f"; did you mean {meant}?" if fits and meant != bare else ""
-
-    def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return the ValueError for a refused value; ``why`` ends its message."""
-        unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
-        rule = self.allowed if self.whole else f"finite number with {self.allowed}"
-        return ValueError(
-            f"{self.key} = {shown(value)}: must be a {rule} ({unit}{' '.join(why.split())})"
-        )
+    return DISPLAY_OF_KEY.get(key) or DISPLAY.get(unit, ("" if unit == "1" else unit, 1.0))
 
 
-def displayed(declared: Any, value: Any) -> str:
-    """Return the value of a parameter as text with five digits in its customary unit, for example
-    ``27 mm``.
+def scaled(number: float, size: float) -> float:
+    """Convert a typed number to the declared unit: return the number times the size of its unit.
 
-    ``declared`` is the parameter's declaration.
+    If the declared unit is a whole multiple of the typed unit, as 1 m = 1000 mm, the result is the
+    floating-point number closest to the exact value.
     """
-    if value is None or isinstance(value, str) or declared.whole:
-        return "none" if value is None else str(value)
-    unit, size = declared.display
-    return f"{plain_number(value / size, 5)} {unit}".rstrip()
-
-
-def displayed_range(declared: Any) -> str:
-    """Return the range of a parameter in its customary unit, or its permitted words, for listings.
-
-    ``declared`` is the parameter's declaration.
-    """
-    if not isinstance(declared, Range) or declared.whole:
-        return str(declared.allowed)
-    low, high = (
-        plain_number(end / declared.display[1], 5) for end in (declared.lowest, declared.highest)
+    parts = round(1.0 / size) if size < 1.0 else 0
+    return (
+        number / parts
+        if parts and math.isclose(parts * size, 1.0, rel_tol=1e-12)
+        else number * size
     )
-    return f"{low} {'<=' if declared.lowest_allowed else '<'} {declared.key} <= {high}"
 
 
-def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
-    """Return a warning that a value is unusual; empty for a usual value.
+def exact_text(value: float, key: str, unit: str) -> str:
+    """Return the shortest text with a unit from which the value is read back exactly, for example
+    ``27 mm`` or ``261.8 rad/s``.
 
-    If the number may have been meant in another unit, the warning says so.
+    The text is in the customary unit, or in the declared unit if that text is shorter or no text in
+    the customary unit is exact.
 
     Args:
-        declared: declaration of the parameter.
-        default: default of the parameter.
         value: value in the declared unit.
-        given: value as it was typed or passed.
+        key: key of the parameter.
+        unit: declared unit of the parameter.
     """
-    if not isinstance(declared, Range) or value is None:
-        return ""
-    least, most = declared.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
-    if (
-        value == 0.0 or most == 0.0 or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12)
-    ):  # the ends include rounding
-        return ""
-    unit = "" if declared.unit == "1" else f" {declared.unit}"
-    ratio = (
-        f" is {value / default:.3g} times the default, {default:.6g}{unit}"
-        if default
-        else " is unusual"
-    )
-    meant = _meant_unit(
-        declared,
-        given if isinstance(given, str) else f"{float(given):g}",
-        default or math.sqrt(least * most),
-    )
-    return f"{declared.key} = {value:.6g}{unit}{ratio}{meant}"
+    own = f"{repr(value).removesuffix('.0')} {'' if unit == '1' else unit}".rstrip()
+    shown, size = display_unit(key, unit)
+    for digits in range(1, 18):
+        number = f"{value / size:.{digits}g}"
+        if scaled(float(number), size) == value:
+            return min(f"{plain_number(float(number), digits)} {shown}".rstrip(), own, key=len)
+    return own
 
 
-def _meant_unit(declared: Range, text: str, typical: float) -> str:
-    """Return a hint to another unit in which a number without a unit may have been meant.
+def conversion(unit: str, to: str) -> float | None:
+    """Return the factor that converts a number from one unit to another; None between different
+    dimensions.
 
-    In that unit the number lies within a factor of ten of a typical value. The hint is empty if
-    there is no such unit.
+    An angle has a dimension of its own here: 250 Hz are not 250 rad/s, and N m is not N m/rad.
+    """
+    try:
+        factor = float(_registry().Quantity(1.0, unit).to(to.replace(" ", "*")).magnitude)
+    # pint raises the errors of its parser: TokenError, ZeroDivisionError, AssertionError, ...
+    except Exception:
+        return None
+    return factor if math.isfinite(factor) and factor > 0.0 else None
+
+
+def likely_unit(unit: str, to: str) -> str:
+    """Return a hint that suggests a unit in place of a mistyped one; empty if no unit is similar.
+
+    The suggested unit has the most similar name of the common units that can be converted to
+    ``to``.
+    """
+    fitting = {_unspaced(name): name for name in TYPICAL_UNITS if conversion(name, to) is not None}
+    closeness = (
+        0.6 if conversion(unit, unit) is None else 1.0
+    )  # an existing unit must have the same letters
+    likely = difflib.get_close_matches(_unspaced(unit), fitting, n=1, cutoff=closeness)
+    return f"; did you mean {fitting[likely[0]]}?" if likely else ""
+
+
+def meant_unit(text: str, unit: str, typical: float) -> str:
+    """Return the unit in which a number without a unit may have been meant.
+
+    In that unit the number lies within a factor of ten of a typical value, which is in ``unit``. The
+    result is empty if there is no such unit, or if the text has a unit already.
     """
     try:
         number = float(text)
-    except ValueError:  # the text has a unit already
+    except ValueError:
         return ""
-    for unit in TYPICAL_UNITS:
-        size = conversion(unit, declared.unit) or 1.0
+    for likely in TYPICAL_UNITS:
+        size = conversion(likely, unit) or 1.0
         if size != 1.0 and 0.1 <= abs(number * size / typical) <= 10.0:
-            return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
+            return likely
     return ""
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """Declaration of a parameter whose value is one of a few words."""
+def _unspaced(unit: str) -> str:
+    """Return the name of a unit in lower case, without blanks and multiplication signs."""
+    return re.sub(r"[\s*\u00b7]", "", unit).lower()
 
-    key: str
-    options: tuple[str, ...]
-    source: str
-    unit: str = "word"
-    optional: bool = False
-    meaning: str = ""
-    needs: str = ""
 
-    @property
-    def allowed(self) -> str:
-        """The permitted words, for messages and listings."""
-        return " | ".join(self.options)
+@functools.cache
+def _registry() -> Any:
+    import pint
 
-    def check(self, value: Any) -> str:
-        """Return a value after a check that it is one of the permitted words.
-
-        Raises:
-            ValueError: for any other value; the message names key, value and permitted words.
-        """
-        if not isinstance(value, str) or value not in self.options:
-            raise ValueError(f"{self.key} = {shown(value)}: must be one of {self.allowed}")
-        return str(value)
-
-    parse = check
+    registry: Any = pint.UnitRegistry(filename=None)
+    registry.load_definitions(Path(pint.__file__).with_name("default_en.txt"))
+    registry.define("radian = [plane_angle] = rad")
+    return registry
 
 
 LONGEST_SHOWN = 100  # largest number of characters of a value in a message

@@ -29,28 +29,23 @@ import tqdm
 from bristle_sim.cli import Scenario, command, main, output
 from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.declared import choice, quantity, validate
+from bristle_sim.declared import Declared
+from bristle_sim.fields import choice, quantity
 from bristle_sim.version import __version__, named_commit
 
 
 @dataclass(frozen=True)
-class Body:
+class Body(Declared):
     mass: float = quantity(2.0, "0 < mass <= 1e3 kg: how heavy it is [a source]")
     speed: float = quantity(0.5, "-10 <= speed <= 10 m/s [another source]")
     drag: float | None = quantity(None, "0 <= drag <= 1 [off]", needs="law = plastic")
     inner: object = None
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 @dataclass(frozen=True)
-class Law:
+class Law(Declared):
     name: str = choice("law [a source]", "elastic", "plastic")
     unused: float = quantity(1.0, "0 <= unused <= 1 [a source]")
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 def run(body: Body, _law: Law) -> Report:
@@ -186,11 +181,11 @@ def test_the_value_none_that_a_list_of_keys_shows_can_be_typed():
     """A parameter that may be absent is left out by it, also where the scenario has a default or another key is missing."""
     for name in ("cue_and_impact", "bent_bristles", "force_history", "surface"):
         scenario = load_scenario(script_paths()[name])
-        for key, (declared, default) in scenario.keys().items():
+        for key, declared in scenario.keys().items():
             if declared.optional:
                 values = scenario.values_of([f"{key}=none"])
                 assert values[key] is None
-                assert default is None or key in scenario.defaults
+                assert declared.default is None or key in scenario.defaults
     with pytest.raises(ValueError, match="wire_diameter = 'none': must be a finite number"):
         load_scenario(script_paths()["cue_and_impact"]).values_of(["wire_diameter=none"])
 

@@ -23,7 +23,7 @@ import pytest
 
 from bristle_sim.cli import Scenario, main
 from bristle_sim.cli.scenario import load_scenario, script_paths
-from bristle_sim.units import Choice, Range
+from bristle_sim.declared import Choice, Range
 
 NUMBER = int(os.environ.get("BRISTLE_SIM_COMMAND_LINES", "2"))
 SEED = os.environ.get("BRISTLE_SIM_SEED", "1")

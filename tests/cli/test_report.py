@@ -17,11 +17,11 @@ import pytest
 from bristle_sim import Bristle, Contact, Settings, Tool, Trajectory, Workpart, simulate
 from bristle_sim.cli import command
 from bristle_sim.comparison import Quantity, Report
+from bristle_sim.declared import Choice, Range
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import verdict, write_report
-from bristle_sim.units import Choice, Range
 
-STATED: dict[str, Any] = {"name": "s", "question": "?", "command": "run", "parameters": []}
+STATED: dict[str, Any] = {"name": "s", "question": "?", "command": "run", "keys": {}, "values": {}}
 
 
 @pytest.fixture(scope="module")
@@ -107,11 +107,15 @@ def test_a_page_shows_every_picture_of_a_folder_and_a_film(film: str, element: s
             (folder / name).write_bytes(name.encode())
 
     (tmp_path / film).write_bytes(b"film")
-    declared = (Range("a_key", "m", 0.0, 1.0, True, "source", True), Choice("w", ("a",), "source"))
+    declared = (
+        Range("a_key", "m", 0.0, 1.0, optional=True),
+        Choice("w", options=("a", "b"), default="b"),
+    )
     stated = {
         **STATED,
         "question": "<b>?",
-        "parameters": [(declared[0], None, None), (declared[1], "a", "b")],
+        "keys": {each.key: each for each in declared},
+        "values": {"a_key": None, "w": "a"},
     }
     options: dict[str, Any] = {"plot": plot, "plot_is_folder": True, "video": tmp_path / film}
     write_report(tmp_path / "p.html", Report(None, ()), **options, **stated)

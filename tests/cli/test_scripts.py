@@ -25,8 +25,8 @@ import pytest
 
 from bristle_sim.cli import Scenario, main
 from bristle_sim.cli.scenario import load_scenario, script_paths
-from bristle_sim.conversion import conversion
-from bristle_sim.units import Choice, Range, shown
+from bristle_sim.declared import Choice, Range
+from bristle_sim.units import conversion, shown
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = script_paths()
@@ -286,7 +286,8 @@ def test_declared_names_and_keys(name: str, capsys: pytest.CaptureFixture[str]):
     entries = re.split(r"\n(?! )", out.partition("---\n")[2].strip())
     listed = {each.split()[0]: " ".join(each.split()) for each in entries}
     assert list(listed) == list(declared.keys())
-    for key, (found, default) in declared.keys().items():
+    for key, found in declared.keys().items():
+        default = found.default
         assert (default is None and found.optional) or found.check(default) == default
         assert default == of_class[key][0] or found.source != of_class[key][1], key
         unit = "" if found.unit in ("1", "word") else found.unit

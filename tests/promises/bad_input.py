@@ -14,7 +14,7 @@ import numpy as np
 
 from bristle_sim import parameters
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
-from bristle_sim.declared import Computed
+from bristle_sim.declared import Choice, Computed, Range
 from bristle_sim.parameters import (
     Bar,
     Belt,
@@ -33,7 +33,7 @@ from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
 from bristle_sim.theory.impact import LAWS
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import Choice, Range, shown
+from bristle_sim.units import shown
 from promises.attempts import BAD, Tally, finite
 
 T = TypeVar("T")

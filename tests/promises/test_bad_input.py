@@ -12,9 +12,10 @@ import warnings
 import numpy as np
 import pytest
 
+from bristle_sim.declared import Range
 from bristle_sim.parameters import Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scene import impacts as contact_laws
-from bristle_sim.units import Range, shown
+from bristle_sim.units import shown
 from promises.attempts import Tally
 from promises.bad_input import trials
 

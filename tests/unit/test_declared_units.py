@@ -16,22 +16,13 @@ from hypothesis import strategies as st
 
 import bristle_sim as bs
 from bristle_sim.cli.scenario import load_scenario, script_paths
-from bristle_sim.conversion import conversion, exact_text
-from bristle_sim.declared import (
-    ANY,
-    Declared,
-    UnusualValueWarning,
-    choice,
-    count,
-    declarations,
-    quantity,
-)
+from bristle_sim.declared import Choice, Declared, Range, UnusualValueWarning, declarations
+from bristle_sim.fields import ANY, choice, count, quantity
 from bristle_sim.parameters import Bristle
 from bristle_sim.readable import plain_number
-from bristle_sim.units import Choice, Range, displayed
-from bristle_sim.units import unusual_value as unusual
+from bristle_sim.units import conversion, exact_text
 
-FRICTION = Range("friction", "1", 0.0, 1e9, True, "a source")
+FRICTION = Range("friction", "1", 0.0, 1e9, True, source="a source")
 
 
 @dataclass(frozen=True)
@@ -68,7 +59,7 @@ class Part(Declared):
 )
 def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
     """The factor is pint's; one rounding for it and one for the product."""
-    assert Range("key", unit, 0.0, 1e9, True, "a source").parse(text) == pytest.approx(
+    assert Range("key", unit, 0.0, 1e9, True, source="a source").parse(text) == pytest.approx(
         value, rel=4e-16
     )
 
@@ -122,7 +113,7 @@ def test_any_other_text_is_refused_in_one_line(text: str, unit: str, why: str):
     with pytest.raises(
         ValueError, match=r"^key = .*: must be a finite number with 0 <= key <= 1e\+09 "
     ) as refusal:
-        Range("key", unit, 0.0, 1e9, True, "a source").parse(text)
+        Range("key", unit, 0.0, 1e9, True, source="a source").parse(text)
     assert re.search(rf"\({why}\)$", str(refusal.value))
     assert str(refusal.value).startswith(f"key = {text!r}: ")
     assert str(refusal.value).isprintable()
@@ -164,8 +155,8 @@ def test_every_number_in_range_survives_typing_and_any_text_gives_one_or_a_print
 def test_a_value_far_from_the_usual(
     value: float, default: float | None, usual: tuple[float, float] | None, far: bool
 ):
-    declared = Range("key", "m", 0.0, 1e9, True, "a source", usual=usual)
-    assert bool(unusual(declared, default, value, value)) is far
+    declared = Range("key", "m", 0.0, 1e9, default=default, usual=usual)
+    assert bool(declared.unusual(value, value)) is far
 
 
 @pytest.mark.parametrize(
@@ -203,7 +194,7 @@ def test_bounds_and_real_numbers():
     for refused in (*outside, True, np.bool_(True), None, b"5", 5j, [5.0], np.array(5.0), "5"):
         with pytest.raises(ValueError, match=r"^friction = .*: must be a finite number"):
             FRICTION.check(refused)
-    above = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
+    above = Range("bristle_length", "m", 0.0, 1e3, False, source="a source")
     assert above.check(smallest) == smallest
     with pytest.raises(ValueError, match="0 < bristle_length <= 1000"):
         above.check(0.0)
@@ -228,18 +219,19 @@ def test_a_part_checks_the_fields_it_declares():
     with pytest.raises(ValueError, match="length"):
         dataclasses.replace(part, length=3e3)
     with pytest.raises(ValueError, match="word") as refusal:
-        Choice("word", ("one",), "a source").parse("x" * 100_000)
+        Choice("word", options=("one",)).parse("x" * 100_000)
     assert len(str(refusal.value)) < 150
 
 
 @pytest.mark.parametrize("name", sorted(script_paths()))
 def test_every_displayed_unit_has_the_size_of_its_name(name: str):
     """The table of displayed units against the unit library; a bare number in that unit is the typed one with it."""
-    for declared, default in load_scenario(script_paths()[name]).keys().values():
+    for declared in load_scenario(script_paths()[name]).keys().values():
+        default = declared.default
         if isinstance(declared, Range) and declared.unit != "1":
             unit, size = declared.display
             assert conversion(unit, declared.unit) == pytest.approx(size, rel=1e-15)
-            shown = displayed(declared, default)
+            shown = declared.displayed(default)
             if default is not None and not declared.whole:
                 assert shown.endswith(f" {unit}")
                 assert declared.parse(shown) == pytest.approx(default, rel=5.1e-5)

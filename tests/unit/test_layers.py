@@ -23,10 +23,10 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 ORDER = (
     "arrays readable",
-    "conversion",
     "version units",
     "declared files",
-    "force_file parameters settings",
+    "fields force_file",
+    "parameters settings",
     "tool_file trajectory theory",
     "contact_space",
     "scene reference passes",
@@ -45,7 +45,7 @@ PRINTED = "bristle_sim.dissertation.printed"
 
 HOMES = {
     "pymunk": ("contact_space", "scene"),
-    "pint": ("conversion",),
+    "pint": ("units",),
     "scipy.integrate": ("reference",),
     "matplotlib": ("render",),
     "PIL": ("render",),

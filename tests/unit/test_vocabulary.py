@@ -9,10 +9,9 @@ import pytest
 
 import bristle_sim as bs
 from bristle_sim.cli.scenario import load_scenario, script_paths
-from bristle_sim.declared import declarations
-from bristle_sim.parameters import PARTS, tool_keys
+from bristle_sim.declared import Choice, Range, declarations
+from bristle_sim.parameters import FIELDS, PARTS
 from bristle_sim.settings import EVENTS
-from bristle_sim.units import Choice, Range
 
 SCENARIOS = {name: load_scenario(path) for name, path in script_paths().items()}
 DECLARED = {part: declarations(part) for each in SCENARIOS.values() for part in each.parts}
@@ -41,8 +40,9 @@ def test_a_tool_file_and_replace_have_the_keys_of_the_command_line(tmp_path: Pat
         line.removeprefix("# ")
         for line in (tmp_path / "tool.toml").read_text(encoding="utf-8").splitlines()
     ]
-    for part, keys in tool_keys().items():
-        for key, (field, declared) in keys.items():
+    for part, fields in FIELDS.items():
+        for field, declared in fields.items():
+            key = declared.key
             assert any(line.startswith(f"{key} = ") for line in lines), key
             owner = PARTS[part][0]() if part else bs.Tool()
             value = getattr(owner, field)

@@ -15,7 +15,6 @@ from bristle_sim.cli.scenario import Scenario, Values
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
-from bristle_sim.units import displayed
 
 # A value below this fraction of the other value is rounding error; no difference is shown
 LEAST_PART = 1e-6
@@ -41,7 +40,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         pass_of.values_of(pass_of.assignments_from(path, name)[0])
         for name, path in (("A.toml", options.first), ("B.toml", options.second))
     ]
-    reports = [pass_of.run(**pass_of.built(values)) for values in tools]
+    reports = [pass_of.report(values) for values in tools]
     changed = _changes(pass_of, *tools)
     seconds = {each.name: each for each in reports[1].quantities}
     pairs = [
@@ -80,8 +79,8 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 def _changes(pass_of: Scenario, one: Values, two: Values) -> list[list[str]]:
     """Return a table row for each key whose values differ: key, and both values in customary units."""
     return [
-        [key, displayed(declared, one[key]), displayed(declared, two[key])]
-        for key, (declared, _) in pass_of.keys().items()
+        [key, declared.displayed(one[key]), declared.displayed(two[key])]
+        for key, declared in pass_of.keys().items()
         if one[key] != two[key]
     ]
 

@@ -35,7 +35,7 @@ def complete(scripts: Mapping[str, Path], commands: Iterable[str]) -> None:
             if action.dest in ("set", "sweep"):
                 words = {
                     f"{key}={option}": ""
-                    for key, (declared, _) in scenario.keys().items()
+                    for key, declared in scenario.keys().items()
                     for option in getattr(declared, "options", ("",))
                     if not option or action.dest == "set"
                 }

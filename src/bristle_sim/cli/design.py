@@ -15,7 +15,7 @@ from bristle_sim.cli.main import MISSED
 from bristle_sim.cli.options import Content, add_options, deliver, files_of
 from bristle_sim.cli.output import json_of, print_error
 from bristle_sim.cli.scenario import Scenario, build_parameters
-from bristle_sim.parameters import Tool, key_declarations
+from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.readable import aligned, readable_unit
 from bristle_sim.studies.design import Design, design
 from bristle_sim.tool_file import write_tool
@@ -54,13 +54,12 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         minimize=options.minimize,
         maximize=options.maximize,
     )
-    keys = key_declarations()
     text = json_of(
         "design",
         found.answer,
         values,
         outcome=found.report.outcome,
-        tool={key: value for key, value in values.items() if key in keys} | found.varied,
+        tool={key: value for key, value in values.items() if key in KEYS} | found.varied,
         quantities=[each.as_dict() for each in found.report.quantities],
         wants=[dataclasses.asdict(each) for each in found.wants],
         sensitivity=found.sensitivity,

@@ -10,11 +10,11 @@ from typing import Any
 from bristle_sim.cli.options import add_options, deliver, files_of
 from bristle_sim.cli.output import json_of
 from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.declared import Range
 from bristle_sim.parameters import Tool
 from bristle_sim.readable import aligned
 from bristle_sim.studies.limits import Change, limits
 from bristle_sim.studies.many_passes import checked_range
-from bristle_sim.units import Range, displayed
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
@@ -38,7 +38,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     low, high = checked_range(tool, key, ends)
     between: dict[str, Any] = {key: (low, high)}
     changes = limits(tool, **between)
-    declared: Any = pass_of.keys()[key][0]
+    declared: Any = pass_of.keys()[key]
     answer = limits_in_words(declared, low, high, changes)
     text = json_of("limits", answer, values, changes=[dataclasses.asdict(each) for each in changes])
     unit, size = declared.display
@@ -51,13 +51,13 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 def limits_in_words(declared: Range, low: float, high: float, changes: Sequence[Change]) -> str:
     """Return a sentence that lists the changes of the outcome between two values of a parameter."""
-    between = f"For {declared.key} from {displayed(declared, low)} to {displayed(declared, high)} the outcome"
+    between = f"For {declared.key} from {declared.displayed(low)} to {declared.displayed(high)} the outcome"
     places = [
-        f"at {displayed(declared, each.at)} (below: {each.below}, above: {each.above})"
+        f"at {declared.displayed(each.at)} (below: {each.below}, above: {each.above})"
         for each in changes
     ]
     if not places:
         return f"{between} does not change."
-    doubtful = [displayed(declared, each.at) for each in changes if not each.confirmed]
+    doubtful = [declared.displayed(each.at) for each in changes if not each.confirmed]
     scene = f"does not confirm {', '.join(doubtful)}" if doubtful else "agrees on both sides"
     return f"{between} changes {', '.join(places)}; the time-domain simulation {scene}."

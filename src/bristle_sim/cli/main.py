@@ -23,10 +23,9 @@ from bristle_sim.cli.output import (
 )
 from bristle_sim.cli.scenario import Columns, Scenario, Values, build_parameters
 from bristle_sim.comparison import Report, Unfinished
-from bristle_sim.declared import UnusualValueWarning
+from bristle_sim.declared import Range, UnusualValueWarning
 from bristle_sim.parameters import Tool
 from bristle_sim.tool_file import write_tool
-from bristle_sim.units import Range
 
 # Exit statuses. A shell reports INTERRUPTED for a command that Ctrl-C has ended.
 MISSED = 1
@@ -65,7 +64,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 run_sweep(scenario, options, targets)
             else:
                 try:
-                    report = scenario.run(**scenario.built(values))
+                    report = scenario.report(values)
                 except Unfinished as interruption:
                     report = interruption.report
                     status = INTERRUPTED
@@ -109,7 +108,7 @@ def _values(scenario: Scenario, options: argparse.Namespace, remarks: list[str])
     return values
 
 
-INTERVAL = Range("interval", "s", 0.0, 1.0, False, "")
+INTERVAL = Range("interval", "s", 0.0, 1.0, False)
 MOST_ROWS = 1_000_000  # largest number of rows of a CSV file with equally spaced times
 
 
@@ -173,7 +172,8 @@ def _contents(
             name=scenario.name,
             question=scenario.question,
             command=command,
-            parameters=scenario.parameter_rows(values),
+            keys=scenario.keys(),
+            values=values,
             plot=partial(draw, scenario) if scenario.plot or scenario.plots else None,
             plot_is_folder=scenario.plots is not None,
             video=targets.get("video"),

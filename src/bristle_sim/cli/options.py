@@ -131,7 +131,7 @@ def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) 
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
     found = files_of(options, [*scenario.formats], folder=scenario.plots is not None)
     named = {"--parameters": options.parameters}
-    for key, (declared, _) in scenario.keys().items():
+    for key, declared in scenario.keys().items():
         if declared.unit == "file":
             named[key] = values[key]
     seen = dict[str, str]()

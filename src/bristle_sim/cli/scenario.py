@@ -10,22 +10,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from bristle_sim.cli.output import format_value
 from bristle_sim.comparison import Report
-from bristle_sim.declared import declarations, declared_fields
-from bristle_sim.parameters import CONTACT_KEYS, PARTS, SHAPE_KEYS, Tool
+from bristle_sim.declared import Declaration, Range, declarations
+from bristle_sim.parameters import CONTACT_KEYS, KEYS, PARTS, SHAPE_KEYS, Tool
 from bristle_sim.readable import WIDTH, aligned
 from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
-from bristle_sim.units import Choice, Range, displayed, displayed_range, likely_key, unusual_value
+from bristle_sim.units import likely_key
 
 Values = Mapping[str, Any]
 Columns = Mapping[str, Any]
 Picture = Any  # a figure of matplotlib
 Film = Any  # a film of bristle_sim.render
-Declaration = Range | Choice
-
-TOOL = (*(kinds[0] for kinds in PARTS.values()), Tool)
-"""Classes whose declared fields are the parameters of a tool."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,36 +73,29 @@ class Scenario:
     options: tuple[str, ...] = ()
 
     @property
-    def arguments(self) -> dict[str, type]:
-        """Classes of the run's arguments, by name."""
-        found = get_type_hints(self.run)
-        del found["return"]
-        return found
-
-    @property
     def parts(self) -> tuple[type, ...]:
         """Parameter classes whose declared fields are the scenario's parameters."""
-        kinds = self.arguments.values()
-        return tuple(part for kind in kinds for part in (TOOL if kind is Tool else (kind,)))
+        parts = list[type]()
+        for name, kind in get_type_hints(self.run).items():
+            if name != "return":
+                parts += [kinds[0] for kinds in PARTS.values()] if kind is Tool else []
+                parts.append(kind)
+        return tuple(parts)
 
-    def keys(self) -> dict[str, tuple[Declaration, Any]]:
-        """Return the declaration and the default value of every parameter, by key.
+    def keys(self) -> dict[str, Declaration]:
+        """Return the declaration of every parameter, by key.
 
-        A key is the name of a parameter on the command line. The declaration states the source of
-        the default.
+        A key is the name of a parameter on the command line. The declaration states the default of
+        this scenario, and its source.
         """
-        found = {}
-        for part in self.parts:
-            for declared, default in declared_fields(part).values():
-                if declared.key not in self.without:
-                    found[declared.key] = (declared, default)
+        found = {each.key: each for part in self.parts for each in declarations(part).values()}
+        for key in self.without:
+            found.pop(key, None)
         for key, (default, source) in self.defaults.items():
-            found[key] = (dataclasses.replace(found[key][0], source=source), default)
+            found[key] = dataclasses.replace(found[key], source=source, default=default)
         for key, (limit, reason) in self.highest.items():
-            declared, default = found[key]
-            assert isinstance(declared, Range)
-            meaning = f"{declared.meaning}; {reason}"
-            found[key] = (dataclasses.replace(declared, highest=limit, meaning=meaning), default)
+            words = f"{found[key].meaning}; {reason}"
+            found[key] = dataclasses.replace(found[key], highest=limit, meaning=words)
         return found
 
     def values_of(
@@ -136,20 +124,21 @@ class Scenario:
             if key not in keys:
                 advice = likely_key(key, keys, "--list-keys shows all keys")
                 raise ValueError(f"--set {assignment!r}: unknown key {key!r}; {advice}")
-            declared = keys[key][0]
-            left_out = declared.optional and text.strip() == "none"
-            typed[key] = None if left_out else declared.parse(text)
+            typed[key] = keys[key].read(text)
         for key, number in (numbers or {}).items():
-            typed[key] = keys[key][0].check(number)
-        values = {key: default for key, (_, default) in keys.items()} | typed
-        for key, (declared, default) in keys.items():
+            typed[key] = keys[key].check(number)
+        values = {key: declared.default for key, declared in keys.items()} | typed
+        for key, declared in keys.items():
             other, relation, wanted = declared.needs.split() or ("", "", "")
-            if other not in values or (format_value(values[other]) == wanted) is (relation == "="):
+            if other not in keys or (keys[other].read(wanted) == values[other]) is (
+                relation == "="
+            ):
                 continue
-            if typed.get(key) is not None and (declared.optional or typed[key] != default):
+            unset = None if declared.optional else declared.default
+            if typed.get(key) not in (None, unset):
                 words = f"must be left out unless {declared.needs}, or it has no effect"
                 raise ValueError(f"{key} = {typed[key]!r}: {words}")
-            values[key] = None if declared.optional else default
+            values[key] = unset
         return values
 
     def warnings_of(self, assignments: Sequence[str], values: Values) -> list[str]:
@@ -158,7 +147,7 @@ class Scenario:
         """
         keys = self.keys()
         typed = dict(assignment.split("=", 1) for assignment in assignments)
-        found = [unusual_value(*keys[key], values[key], text) for key, text in typed.items()]
+        found = [keys[key].unusual(values[key], text) for key, text in typed.items()]
         return [*filter(None, found)]
 
     def assignments_from(
@@ -180,7 +169,6 @@ class Scenario:
         keys = self.keys()
         assignments = list[str]()
         idle = list[str]()
-        known = {each[0].key: each for part in TOOL for each in declared_fields(part).values()}
         try:
             typed = read_keys(path, keys)
         except OSError as error:
@@ -193,26 +181,22 @@ class Scenario:
                     raise ValueError(f"{path}: {key} = false: must be present for {self.name}")
                 continue
             try:
-                value = (known | keys)[key][0].parse(text)
+                value = (KEYS | keys)[key].read(text)
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
-            if key in (*SHAPE_KEYS, *CONTACT_KEYS) and value == known[key][1]:
+            if key in (*SHAPE_KEYS, *CONTACT_KEYS) and value == KEYS[key].default:
                 continue  # for the tool's default the scenario keeps its own wire and law
             if key in keys:
                 assignments.append(f"{key}={text}")
-            elif value != known[key][1]:
+            elif value != KEYS[key].default:
                 idle.append(f"{path}: {key} = {text} has no effect on {self.name}")
         return assignments, idle
 
-    def built(self, values: Values) -> dict[str, Any]:
-        """Return the arguments of ``run``, built from the given parameter values."""
-        return {name: build_parameters(kind, values) for name, kind in self.arguments.items()}
-
-    def parameter_rows(self, values: Values) -> list[tuple[Declaration, Any, Any]]:
-        """Return declaration, value and default of every parameter, as rows of a table."""
-        return [
-            (declared, values[key], default) for key, (declared, default) in self.keys().items()
-        ]
+    def report(self, values: Values) -> Report:
+        """Return the report of a run with the given parameter values."""
+        kinds = get_type_hints(self.run).items()
+        given = {name: build_parameters(kind, values) for name, kind in kinds if name != "return"}
+        return self.run(**given)
 
     def key_list(self) -> str:
         """Return the text that describes every parameter, 100 columns wide.
@@ -222,14 +206,15 @@ class Scenario:
         """
         heads = [["key", "default", "unit"]]
         texts = [("range", "meaning (source of the default)")]
-        for key, (declared, default) in self.keys().items():
+        for key, declared in self.keys().items():
             unit = "" if declared.unit == "word" else declared.unit
             if isinstance(declared, Range):
                 unit = declared.display[0]
-            heads.append([key, displayed(declared, default).removesuffix(f" {unit}"), unit])
+            default = declared.displayed(declared.default).removesuffix(f" {unit}")
+            heads.append([key, default, unit])
             only = f"; only with {declared.needs}" if declared.needs else ""
             note = f"{declared.meaning}{only} (default: {declared.source})"
-            texts.append((displayed_range(declared), note))
+            texts.append((declared.displayed_range, note))
         columns = aligned(heads, 3)
         indent = 2 + max(map(len, columns))
         lines = []

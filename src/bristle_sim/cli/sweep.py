@@ -18,7 +18,8 @@ from bristle_sim.cli.options import Content, deliver
 from bristle_sim.cli.output import csv_text, json_of
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.declared import Range
+from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.readable import WIDTH, aligned
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import unable
@@ -31,7 +32,7 @@ from bristle_sim.studies.scenario_sweep import (
     sweep_in_words,
     sweep_of_runs,
 )
-from bristle_sim.units import Range, likely_key
+from bristle_sim.units import likely_key
 
 MOST_POINTS = 10**6
 """Largest number of values of a swept parameter."""
@@ -98,7 +99,7 @@ def _axis(scenario: Scenario, text: str) -> Series:
         raise ValueError(
             f"{refused}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}"
         )
-    declared = keys[key][0]
+    declared = keys[key]
     if not isinstance(declared, Range):
         raise ValueError(f"{refused}: must name a key that is a number, not a word")
     low, high = (float(declared.parse(end)) for end in ends[:2])
@@ -112,8 +113,7 @@ def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Seri
     nor a folder of stored points are requested.
     """
     values = scenario.values_of(options.set)
-    keys = {key for part in tool_keys().values() for key in part}
-    keys -= {"wire_links", "knee_angle_deg"}
+    keys = KEYS.keys() - {"wire_links", "knee_angle_deg"}
     alone = options.workers is None and options.store is None
     if scenario.in_arrays and alone and axes.keys() <= keys and values.get("reference") != "yes":
         tool = build_parameters(Tool, values)
@@ -132,7 +132,7 @@ def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) 
     Raises:
         ValueError: for a refused value.
     """
-    report = scenario.run(**scenario.built(scenario.values_of(assignments, keys)))
+    report = scenario.report(scenario.values_of(assignments, keys))
     others = tuple(each for each in report.quantities if each.name not in keys)
     return dataclasses.replace(report, quantities=others)
 

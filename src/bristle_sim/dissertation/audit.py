@@ -21,8 +21,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.declared import Declared, choice
+from bristle_sim.declared import Declared
 from bristle_sim.dissertation.printed import Figure, Printed, printed_rows
+from bristle_sim.fields import choice
 from bristle_sim.readable import WIDTH, amount, side_by_side
 
 REPRODUCED = "reproduced"

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.declared import Declared, choice
+from bristle_sim.declared import Declared
 from bristle_sim.dissertation import crater_figures, force_figures, impact_figures, pendulum_figures
 from bristle_sim.dissertation.redrawn import SOURCES, Redrawn, largest_differences
+from bristle_sim.fields import choice
 
 _BUILDERS: dict[str, Callable[[], Redrawn]] = {
     **{number: partial(impact_figures.impact_figure, number) for number in impact_figures.FIGURES},

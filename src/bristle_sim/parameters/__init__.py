@@ -40,12 +40,10 @@ from bristle_sim.parameters.parts import (
     Surface,
     Workpart,
 )
-from bristle_sim.parameters.tool import PARTS, START, Tool, key_declarations, key_unit, tool_keys
+from bristle_sim.parameters.tool import FIELDS, KEYS, PARTS, START, Tool
 
 __all__ = [
-    "CONTACT_KEYS", "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "START", "SURFACE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt", "Blasting",
+    "CONTACT_KEYS", "FIELDS", "KEYS", "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "START", "SURFACE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt", "Blasting",
     "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "FilmGrid", "ForceHistory", "Hub", "MapGrid",
     "Measured", "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
-    "key_declarations",
-    "key_unit", "tool_keys",
 ]  # fmt: skip

@@ -5,7 +5,8 @@ workpart ("ground"), and the roughness measurement.
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.declared import ANY, Declared, choice, count, quantity
+from bristle_sim.declared import Declared
+from bristle_sim.fields import ANY, choice, count, quantity
 
 # largest number of square cells of a ground; it is stored with twice as many, 160 MB per copy
 MOST_CELLS = 1e7

@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.declared import ANY, Declared, choice, count, quantity
+from bristle_sim.declared import Declared
+from bristle_sim.fields import ANY, choice, count, quantity
 
 GAMMA = "angle between the radial bristle and the workpart's normal, gamma"
 STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"

@@ -3,87 +3,27 @@ wire damping.
 """
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
-from bristle_sim.declared import Declared, count, declared_field, quantity, words_of
+from bristle_sim.declared import Declared
+from bristle_sim.fields import count, quantity, text
 from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
 from bristle_sim.units import shown
-
-
-@dataclass(frozen=True, slots=True)
-class Text:
-    """Declaration of a parameter whose value is a text.
-
-    Attributes:
-        key: name of the parameter on the command line and in messages.
-        source: source of the default.
-        unit: kind of the text: ``file`` or ``folder`` for a name, ``column`` for the heading or
-            number of a column.
-        meaning: meaning of the text, in words.
-        optional: whether the value may be None.
-        needs: condition on another key without which this key has no effect.
-    """
-
-    key: str
-    source: str
-    unit: str
-    meaning: str
-    optional: bool = True
-    needs: str = ""
-
-    @property
-    def allowed(self) -> str:
-        """Requirement on the text, in words, for messages and listings."""
-        if self.unit == "folder":
-            return "the name of a folder"
-        return (
-            "a readable file"
-            if self.unit == "file"
-            else "the heading of a column, or its number from 1 on"
-        )
-
-    def check(self, value: Any) -> str:
-        """Return a value after a check that it is a text that meets the requirement.
-
-        Raises:
-            ValueError: if the value is no text, is empty, or names no readable file where it must;
-                the message names key, value and rule.
-        """
-        if not isinstance(value, str) or not (
-            _is_file(value) if self.unit == "file" else value.strip()
-        ):
-            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
-        return str(value)
-
-    parse = check
-
-
-def _is_file(name: str) -> bool:
-    try:
-        return bool(name) and Path(name).is_file()
-    except (OSError, ValueError):  # a name too long, a null character
-        return False
-
-
-def _text(rule: str, unit: str) -> Any:
-    return declared_field(None, Text(unit=unit, **words_of(rule)))
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement(Declared):
     """A measured force history that replaces the published curve."""
 
-    force_csv: str | None = _text(
+    force_csv: str | None = text(
         "force_csv: measured force history: columns of time and force, with or without headings"
         " [none: the measured points are not in print]",
         "file",
     )
-    time_column: str | None = _text(
+    time_column: str | None = text(
         "time_column: column of the time in the file [the one whose heading has a unit of time, else the first]",
         "column",
     )
-    force_column: str | None = _text(
+    force_column: str | None = text(
         "force_column: column of the force in the file"
         " [the one whose heading has a unit of force, or the only other one]",
         "column",
@@ -166,7 +106,7 @@ class Measured(Declared):
         "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal over that along the surface,"
         " eta^2 [(2 - nu)/(2 (1 - nu)) with nu = 0.23, soda-lime glass and aluminium oxide (Stronge 2018, ch. 5)]",
     )
-    data: str | None = _text(
+    data: str | None = text(
         "data: measured impacts of an ellipse: MATLAB file with an array bounce_array [none: the file is its authors']",
         "file",
     )
@@ -212,7 +152,7 @@ class FilmGrid(Declared):
         2,
         "1 <= workers <= 64: number of processes that compute the map [chosen: a small computer's]",
     )
-    store: str | None = _text(
+    store: str | None = text(
         "store: folder that keeps finished cases, from which an interrupted map goes on [none: nothing is kept]",
         "folder",
     )

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 from bristle_sim.arrays import Number
-from bristle_sim.declared import ANY, Computed, Declared, choice, count, declarations, quantity
-from bristle_sim.units import Range
+from bristle_sim.declared import Computed, Declared, declarations
+from bristle_sim.fields import ANY, choice, count, quantity
 
 Vector = tuple[float, float]
 
@@ -149,17 +149,12 @@ class Bristle(Declared):
         object.__setattr__(self, "mass", given)
         Declared.__post_init__(self)
         if given is None:
-            object.__setattr__(self, "mass", Computed(self._mass_of_volume()))
-
-    def _mass_of_volume(self) -> float:
-        mass: float = mass_of_volume(self.length, self.wire_diameter, self.density)
-        declared = declarations(Bristle)["mass"]
-        assert isinstance(declared, Range)
-        if not declared.lowest <= mass <= declared.highest:
-            raise declared.refusal(
-                mass, "; not given, it follows from bristle_length, wire_diameter and wire_density"
-            )
-        return mass
+            mass = mass_of_volume(self.length, self.wire_diameter, self.density)
+            declared = declarations(Bristle)["mass"]
+            if not declared.lowest <= mass <= declared.highest:
+                why = "; not given, it follows from bristle_length, wire_diameter and wire_density"
+                raise declared.refusal(mass, why)
+            object.__setattr__(self, "mass", Computed(mass))
 
     @property
     def path(self) -> tuple[Vector, ...]:

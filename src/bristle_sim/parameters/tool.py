@@ -11,9 +11,10 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.declared import Computed, Declared, declarations, quantity
+from bristle_sim.declared import Computed, Declared, declarations
+from bristle_sim.fields import quantity
 from bristle_sim.parameters.parts import Bar, Belt, Bristle, Contact, Hub, Workpart
-from bristle_sim.units import Choice, Range, displayed, likely_key, shown
+from bristle_sim.units import likely_key, shown
 
 # Default hub angle at the start of a pass, rad: a quarter of a revolution before the direction of
 # the workpart.
@@ -95,14 +96,14 @@ class Tool(Declared):
         left out.
         """
         found = []
-        for part, keys in tool_keys().items():
+        for part, fields in FIELDS.items():
             owner = getattr(self, part) if part else self
             given = {
-                field.removesuffix("_deg").replace("_", " "): displayed(declared, value)
-                for field, declared in keys.values()
-                if owner is not None and (value := getattr(owner, field)) is not None
+                name.removesuffix("_deg").replace("_", " "): declared.displayed(value)
+                for name, declared in fields.items()
+                if owner is not None and (value := getattr(owner, name)) is not None
             }
-            words = ", ".join(f"{field} {value}" for field, value in given.items())
+            words = ", ".join(" ".join(each) for each in given.items())
             found.append((part or "tool", words or "absent"))
         return [*found[1:], found[0]]
 
@@ -120,24 +121,25 @@ class Tool(Declared):
                 message is one line.
         """
         found = dict[str, Any]()
-        places = {key: part for part, keys in tool_keys().items() for key in keys}
+        given = dict[str, Any]()
         for name, value in changes.items():
-            if name in PARTS and (name not in places or isinstance(value, PARTS[name])):
+            if name in PARTS and (name not in KEYS or isinstance(value, PARTS[name])):
                 found[name] = value
-            elif name not in places:
-                raise ValueError(f"unknown key {name!r}; {likely_key(name, {*PARTS, *places})}")
-        for part, keys in tool_keys().items():
-            values = dict[str, Any]()
-            for key, value in changes.items():
-                if key in keys and key not in found:
-                    values[keys[key][0]] = (
-                        float(value) if isinstance(value, Computed) else value
-                    )  # the copied mass is a given one
-            owner: Any = found.get(part, getattr(self, part)) if part else self
-            if values and owner is None:
-                raise ValueError(f"{part} = None: must be present where one of its keys is given")
-            if values:
-                found |= {part: dataclasses.replace(owner, **values)} if part else values
+            elif name not in KEYS:
+                raise ValueError(f"unknown key {name!r}; {likely_key(name, {*PARTS, *KEYS})}")
+            else:  # a copied mass is a given one
+                given[name] = float(value) if isinstance(value, Computed) else value
+        for part, fields in FIELDS.items():
+            values = {name: given[each.key] for name, each in fields.items() if each.key in given}
+            if values and not part:
+                found |= values
+            elif values:
+                owner = found.get(part, getattr(self, part))
+                if owner is None:
+                    raise ValueError(
+                        f"{part} = None: must be present where one of its keys is given"
+                    )
+                found[part] = dataclasses.replace(owner, **values)
         return dataclasses.replace(self, **found)
 
     @property
@@ -253,25 +255,12 @@ PARTS: dict[str, tuple[type, ...]] = {
 """Classes of which each part of a tool must be; NoneType means that the part may be absent."""
 
 
-def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
-    """Return the keys of each part of a tool.
+FIELDS = {
+    "": declarations(Tool),
+    **{part: declarations(kinds[0]) for part, kinds in PARTS.items()},
+}
+"""Declarations of the fields of each part of a tool, by part and field. The part "" is the tool
+itself."""
 
-    Returns:
-        For each part, by name, a dictionary from key to (name of the field, declaration). The part
-        "" is the tool itself.
-    """
-    parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
-    return {
-        part: {each.key: (name, each) for name, each in declarations(of).items()}
-        for part, of in parts.items()
-    }
-
-
-def key_declarations() -> dict[str, Range | Choice]:
-    """Return the declaration of each key of a tool."""
-    return {key: each for keys in tool_keys().values() for key, (_, each) in keys.items()}
-
-
-def key_unit(key: str) -> str:
-    """Return the unit in which the value of a tool's key is declared, for example ``m``."""
-    return key_declarations()[key].unit
+KEYS = {each.key: each for fields in FIELDS.values() for each in fields.values()}
+"""Declaration of each key of a tool."""

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.declared import Computed
-from bristle_sim.parameters import Tool, tool_keys
+from bristle_sim.declared import Choice, Computed, Range
+from bristle_sim.parameters import FIELDS, KEYS, Tool
 from bristle_sim.parameters.parts import mass_of_volume
 from bristle_sim.parameters.tool import CLEAR_OF_BAR, START, checked_tool
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import ROWS, Chosen, Passes
-from bristle_sim.units import Choice, Range, likely_key
+from bristle_sim.units import likely_key
 
 MOST_RADIANS = 1e5  # upper bound of the phase of a pass's fastest motion, rad; a step covers some 2
 # Overlap at the start, over the bristle's length, up to which it counts as rounding error
@@ -69,16 +69,13 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
             shapes that do not broadcast.
     """
     tool = checked_tool(tool)
-    places = {
-        key: (part, declared)
-        for part, keys in tool_keys().items()
-        for key, (_, declared) in keys.items()
-    }
+    places = {each.key: part for part, fields in FIELDS.items() for each in fields.values()}
     given = Values()
     for key, value in values.items():
         if key not in places:
             raise ValueError(f"unknown key {key!r}; {likely_key(key, places)}")
-        part, declared = places[key]
+        part = places[key]
+        declared = KEYS[key]
         if part and getattr(tool, part) is None:
             raise ValueError(f"{part} = None: must be present where one of its keys is given")
         if isinstance(declared, Choice):
@@ -120,12 +117,14 @@ def key_values(tool: Tool) -> dict[str, float]:
     from other values.
     """
     found = {}
-    for part, keys in tool_keys().items():
+    for part, fields in FIELDS.items():
         owner = getattr(tool, part) if part else tool
-        for key, (name, declared) in keys.items():
+        for name, declared in fields.items():
             if owner is not None and isinstance(declared, Range):
                 value = getattr(owner, name)
-                found[key] = math.nan if isinstance(value, Computed | None) else float(value)
+                found[declared.key] = (
+                    math.nan if isinstance(value, Computed | None) else float(value)
+                )
     return found
 
 
@@ -153,14 +152,13 @@ def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.obj
 
 def _out_of_range(request: Request, values: Values) -> Iterator[Refusal]:
     """Yield the refusals of values outside the range of their key, or beyond this method."""
-    for keys in tool_keys().values():
-        for key, (_, declared) in keys.items():
-            if key in request.given and isinstance(declared, Range):
-                found = values[key]
-                above = found > declared.lowest
-                above |= declared.lowest_allowed & (found == declared.lowest)
-                good = above & (found <= declared.highest) | (declared.optional & np.isnan(found))
-                yield ~good, key, str(declared.refusal(0.0)).partition(": ")[2]
+    for key, declared in KEYS.items():
+        if key in request.given and isinstance(declared, Range):
+            found = values[key]
+            above = found > declared.lowest
+            above |= declared.lowest_allowed & (found == declared.lowest)
+            good = above & (found <= declared.highest) | (declared.optional & np.isnan(found))
+            yield ~good, key, str(declared.refusal(0.0)).partition(": ")[2]
     yield values["wire_links"] != 1.0, "wire_links", "must be 1, a rigid bristle"
     yield values["knee_angle_deg"] != 0.0, "knee_angle_deg", "must be 0, a straight one"
     given = ~np.isnan(values["contact_duration"])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array, EqualByValue
-from bristle_sim.parameters import key_unit
+from bristle_sim.parameters import KEYS
 from bristle_sim.trajectory.tables import installed
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ class Ensemble(EqualByValue):
         return import_module(DRAWN_BY).ensemble_figure(self, names)
 
     def _units(self) -> dict[str, str]:
-        return {key: key_unit(key) for key in self.keys} | QUANTITIES
+        return {key: KEYS[key].unit for key in self.keys} | QUANTITIES
 
     def _axes(self) -> list[str]:
         """Return the name of each axis: a key that alone varies along this axis and varies along no

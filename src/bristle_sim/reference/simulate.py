@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.declared import ANY, quantity, validate
+from bristle_sim.declared import Declared
+from bristle_sim.fields import ANY, quantity
 from bristle_sim.parameters import START, Surface, Tool
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.reference.contacts import Obstacles, Point, WirePairs, obstacles_of
@@ -37,7 +38,7 @@ requested = functools.partial(quantity, usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class Request(Declared):
     """The arguments of a run, checked against their ranges."""
 
     start_hub_angle: float = requested(START, "-1e6 <= start_hub_angle <= 1e6 rad")
@@ -51,7 +52,7 @@ class Request:
     stop_after: str | None = None
 
     def __post_init__(self) -> None:
-        validate(self)
+        Declared.__post_init__(self)
         if self.stop_after is not None:
             checked_name("stop_after", self.stop_after, EVENTS)
 

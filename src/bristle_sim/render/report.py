@@ -22,6 +22,7 @@ import jinja2
 from markupsafe import Markup
 
 from bristle_sim.comparison import Report, cells
+from bristle_sim.declared import Declaration
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import OUTCOMES
@@ -29,11 +30,7 @@ from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.pass_figure import pair_figure, pass_figure
 from bristle_sim.render.style import save_figure
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import Choice, Range
 from bristle_sim.version import __version__, named_commit
-
-Parameter = tuple[Range | Choice, Any, Any]
-"""Declaration of a parameter, its value in this run, and its default."""
 
 LIBRARIES = (
     "numpy",
@@ -59,7 +56,8 @@ def write_report(
     name: str,
     question: str,
     command: str,
-    parameters: Sequence[Parameter],
+    keys: Mapping[str, Declaration],
+    values: Mapping[str, Any],
     plot: Callable[[Report, Path], None] | None = None,
     plot_is_folder: bool = False,
     video: Path | None = None,
@@ -74,7 +72,8 @@ def write_report(
         name: name of the scenario.
         question: question of the scenario.
         command: command that writes the page again.
-        parameters: the scenario's parameters, each with its declaration, value and default.
+        keys: declarations of the scenario's parameters, by key.
+        values: their values in this run, by key.
         plot: function that draws the figure to a path, or all figures to a folder. If drawing
             fails, a remark on the page gives the reason.
         plot_is_folder: whether ``plot`` draws all figures to a folder.
@@ -98,19 +97,20 @@ def write_report(
     motion = None
     if isinstance(run, Trajectory) and isinstance(tool, Tool):
         motion = motion_data(run, tool)
-    keys = rows[0] if rows else ()
     content = {
         "name": name,
         "question": question,
         "command": command,
-        "parameters": parameters,
+        "parameters": [(declared, values[key]) for key, declared in keys.items()],
         "figures": figures,
         "report": report,
         "colour": OUTCOMES.get(report.outcome_in_words, ""),
         "verdict": verdict(report),
         "table": cells(report.quantities),
         "rows": rows,
-        "head": [key for key in keys if any(row[key] not in (None, "") for row in rows)],
+        "head": [key for key in rows[0] if any(row[key] not in (None, "") for row in rows)]
+        if rows
+        else [],
         "counts": Counter(row["status"] for row in rows),
         "remarks": [
             each

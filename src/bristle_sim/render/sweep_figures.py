@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import key_unit
+from bristle_sim.parameters import KEYS
 from bristle_sim.passes.result import QUANTITIES as QUANTITIES_OF_PASSES
 from bristle_sim.passes.result import Ensemble
 from bristle_sim.render import style
@@ -105,7 +105,7 @@ def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
 
     ``keys`` names the parameters along the axes.
     """
-    axes = {key: Series(key, key_unit(key), many.keys[key].ravel(), is_key=True) for key in keys}
+    axes = {key: Series(key, KEYS[key].unit, many.keys[key].ravel(), is_key=True) for key in keys}
     quantities = {
         name: Series(name.replace("_", " "), unit, getattr(many, name))
         for name, unit in QUANTITIES_OF_PASSES.items()
@@ -168,7 +168,7 @@ def trade_off_figure(found: Design) -> Figure:
     """
     curves = {name: Series(*QUANTITIES[name], found.trade_off[name]) for name in found.conflict}
     for key in found.varied:
-        curves[key] = Series(key, key_unit(key), found.trade_off[key], is_key=True)
+        curves[key] = Series(key, KEYS[key].unit, found.trade_off[key], is_key=True)
     wanted = {each.name: each.wanted for each in found.wants}
     reached = {each.name: each.reached for each in found.wants} | found.varied
     across, *rows = curves

@@ -16,7 +16,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.declared import Declared, quantity
+from bristle_sim.declared import Declared
+from bristle_sim.fields import quantity
 from bristle_sim.parameters import Tool
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.scene.build import (

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bristle_sim.declared import Declared, count, quantity
+from bristle_sim.declared import Declared
+from bristle_sim.fields import count, quantity
 from bristle_sim.parameters import START, Bristle, Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw

@@ -13,6 +13,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
+from bristle_sim.declared import Range
 from bristle_sim.parameters import Tool
 from bristle_sim.studies.design_search import Search, with_derivatives
 from bristle_sim.studies.design_words import (
@@ -29,7 +30,7 @@ from bristle_sim.studies.many_passes import (
     checked_range,
 )
 from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
-from bristle_sim.units import Range, likely_key, shown
+from bristle_sim.units import likely_key, shown
 
 KEPT = 0.01  # largest relative deviation of a kept quantity from its wanted value
 KEPT_DEG = 1.0  # largest deviation of a kept angle from its wanted value, deg
@@ -179,7 +180,7 @@ def _declared(name: str) -> Range:
     """
     if name not in QUANTITIES:
         raise ValueError(f"unknown quantity {shown(name)}; {likely_key(name, QUANTITIES)}")
-    return Range(name, QUANTITIES[name][1], -MOST, MOST, True, "")
+    return Range(name, QUANTITIES[name][1], -MOST, MOST)
 
 
 def _found(search: Search) -> Design:

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
-from bristle_sim.conversion import display_unit
-from bristle_sim.parameters import key_unit
+from bristle_sim.parameters import KEYS
 from bristle_sim.readable import amount, plain_number, readable_unit
 from bristle_sim.studies.design_search import Search
 from bristle_sim.studies.whole_pass import QUANTITIES
+from bristle_sim.units import display_unit
 
 DECIMALS = 4  # decimals of a quantity in its readable unit; further decimals are rounding error
 
@@ -79,6 +79,6 @@ def _key(key: str, *values: float) -> str:
     """Return a parameter with its value and unit, or with the two ends of its range: ``hub_speed
     2500 rpm``, ``hub_speed from 2451.2 to 2548.1 rpm``.
     """
-    unit, size = display_unit(key, key_unit(key))
+    unit, size = display_unit(key, KEYS[key].unit)
     texts = [plain_number(each / size, 5) for each in values]
     return f"{key} {'from ' if len(texts) > 1 else ''}{' to '.join(texts)} {unit}".rstrip()

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.declared import UnusualValueWarning
-from bristle_sim.parameters import Tool, key_declarations
+from bristle_sim.declared import Choice, UnusualValueWarning
+from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.passes.result import Ensemble
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED
@@ -24,7 +24,7 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import QUANTITIES, measures_of
-from bristle_sim.units import Choice, likely_key, shown
+from bristle_sim.units import likely_key, shown
 
 ENTRY = "entry_angle"
 OUTCOME = "outcome"
@@ -68,10 +68,9 @@ def checked_range(tool: Tool, key: str, ends: Any) -> tuple[float, float]:
     """
     if reason := unable(tool):
         raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
-    keys = key_declarations()
-    if key not in keys:
-        raise ValueError(f"unknown key {shown(key)}; {likely_key(key, keys)}")
-    declared = keys[key]
+    if key not in KEYS:
+        raise ValueError(f"unknown key {shown(key)}; {likely_key(key, KEYS)}")
+    declared = KEYS[key]
     if isinstance(declared, Choice) or declared.whole:
         raise ValueError(f"{key}: must be a key of real numbers, such as friction")
     given = ends.split(":") if isinstance(ends, str) else ends

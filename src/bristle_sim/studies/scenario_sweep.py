@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
-from bristle_sim.conversion import display_unit
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.strike import OUTCOMES
 from bristle_sim.readable import amount, plain_number, readable_unit
@@ -29,6 +28,7 @@ from bristle_sim.studies.many_passes import (
 )
 from bristle_sim.studies.sweep_point import FAILURE, evaluate_in_turn
 from bristle_sim.studies.whole_pass import QUANTITIES
+from bristle_sim.units import display_unit
 
 FORMULA = " by formula"  # suffix that marks the value of a quantity by formula
 

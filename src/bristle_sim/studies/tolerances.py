@@ -32,7 +32,7 @@ from scipy.stats.qmc import Sobol
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameters import Sampling, Spreads, Tool, key_declarations
+from bristle_sim.parameters import KEYS, Sampling, Spreads, Tool
 from bristle_sim.passes.request import key_values
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
@@ -184,12 +184,11 @@ def propagated(
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
     """Return the ends of every input's interval, limited to the range that the input may have."""
-    declared = key_declarations()
     found = {}
     for key, half_width in dataclasses.asdict(spreads).items():
         if half_width:
             middle = key_values(tool)[key]
-            bounds: Any = declared[key]
+            bounds = KEYS[key]
             found[key] = (
                 max(bounds.lowest, middle - half_width),
                 min(bounds.highest, middle + half_width),

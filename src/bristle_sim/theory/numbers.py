@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.units import Range, shown
+from bristle_sim.declared import Range
+from bristle_sim.units import shown
 
 
 def select(condition: Number, chosen: Number, other: Number) -> Number:
@@ -213,7 +214,7 @@ def first_text(values: tuple[Number, ...], holds: Number) -> str:
 
 
 RANGES: dict[str, Range] = {
-    key: Range(key, unit, low, high, True, why)
+    key: Range(key, unit, low, high, source=why)
     for keys, unit, low, high, why in (
         ("rod_mass", "kg", 1e-30, 1e6, "rounding: m v^2 and v/m of the extremes are floats"),
         ("rod_length", "m", 1e-9, 1e3, "rounding: m L^2 of the extremes is a float"),

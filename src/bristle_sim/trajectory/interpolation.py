@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.arrays import Array
+from bristle_sim.declared import Range
 from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import SAMPLED, Motion
-from bristle_sim.units import Range, shown
+from bristle_sim.units import shown
 
 Pieces = list[tuple[int, int]]
 """Indices of the first and the last sample of each smooth part of a run."""
@@ -36,7 +37,7 @@ A shorter distance, as occurs next to an event, would amplify the errors of the 
 """
 
 # Number of equally spaced instants of a course; a million of them take a second to interpolate.
-POINTS = Range("points", "1", 0.0, 1e6, True, "rounding: the memory of a drawing", whole=True)
+POINTS = Range("points", "1", 0.0, 1e6, source="rounding: the memory of a drawing", whole=True)
 
 
 class Interpolation:

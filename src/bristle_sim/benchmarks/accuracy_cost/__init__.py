@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bristle_sim.declared import Declared, choice
+from bristle_sim.declared import Declared
+from bristle_sim.fields import choice
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,12 +16,11 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.cli.main import draw
-from bristle_sim.cli.output import csv_text, document, format_value, write_text
+from bristle_sim.cli.output import csv_text, document, write_text
 from bristle_sim.cli.scenario import Scenario, Values, build_parameters
 from bristle_sim.comparison import cells
-from bristle_sim.conversion import exact_text
-from bristle_sim.declared import declarations
-from bristle_sim.parameters import PARTS, Tool
+from bristle_sim.declared import Choice, Declaration, Range
+from bristle_sim.parameters import FIELDS, Tool
 from bristle_sim.readable import plain_number
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
@@ -29,7 +28,7 @@ from bristle_sim.render.story import key_events
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.tool_file import write_tool
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import Choice, Range, displayed
+from bristle_sim.units import exact_text
 
 OFTEN = ("hub", "bristle", "bar", "workpart")
 """Parts of the tool whose controls are visible when the page is loaded."""
@@ -63,18 +62,18 @@ def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
     ``start`` holds the assignments ``KEY=VALUE`` of the tool that is shown first.
     """
     values = pass_of.values_of(start)
-    groups = {
-        each.key: name for name, kinds in PARTS.items() for each in declarations(kinds[0]).values()
-    }
+    groups = {each.key: part for part, fields in FIELDS.items() if part for each in fields.values()}
     found = []
-    for key, (declared, default) in pass_of.keys().items():
+    for key, declared in pass_of.keys().items():
         knob = _knob(declared, values[key], groups.get(key, "settings"))
-        other = "" if default is None else _typed(declared, default)
-        found.append(knob | {"preset": knob["text"] if values[key] == default else other})
+        preset = knob["text"]
+        if values[key] != declared.default:
+            preset = "" if declared.default is None else _typed(declared, declared.default)
+        found.append(knob | {"preset": preset})
     return found
 
 
-def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
+def _knob(declared: Any, value: Any, group: str) -> dict[str, Any]:
     """Return the description of one parameter's control: its texts and, for a number, unit and
     range.
 
@@ -107,7 +106,7 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
         "size": size,
         "between": f"from {between} {unit}".rstrip(),
         "start": None if value is None else value / size,
-        "text": "" if value is None else displayed(declared, value),
+        "text": "" if value is None else declared.displayed(value),
         "limits": limits,
         "slider": ends,
         "whole": declared.whole,
@@ -125,7 +124,7 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         typed: assignments that the user has typed; they override ``start``.
     """
     values = pass_of.values_of([*start, *typed])
-    report = pass_of.run(**pass_of.built(values))
+    report = pass_of.report(values)
     run = report.subject.trajectory
     tool = report.subject.tool
     before = pass_of.values_of(start)
@@ -139,34 +138,34 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         "motion": motion_data(run, tool),
         "series": series(run),
         "changed": [
-            [key, *_change(keys[key][0], before[key], value)]
+            [key, *_change(keys[key], before[key], value)]
             for key, value in values.items()
             if value != before[key]
         ],
         "values": {
             key: values[key] / declared.display[1]
-            for key, (declared, _) in keys.items()
+            for key, declared in keys.items()
             if isinstance(declared, Range) and values[key] is not None
         },
         "command": command([*start, *typed]),
     }
 
 
-def _change(declared: Range | Choice, before: Any, after: Any) -> list[str]:
+def _change(declared: Declaration, before: Any, after: Any) -> list[str]:
     """Return the texts of a parameter's values before and after a change.
 
     The texts have five digits, or full precision if five digits do not tell the values apart.
     """
-    found = [displayed(declared, each) for each in (before, after)]
+    found = [declared.displayed(each) for each in (before, after)]
     return found if found[0] != found[1] else [_typed(declared, each) for each in (before, after)]
 
 
-def _typed(declared: Range | Choice, value: Any) -> str:
+def _typed(declared: Declaration, value: Any) -> str:
     """Return a parameter's value as the shortest text that reads back exactly, for example ``27
     mm``.
     """
-    if value is None or isinstance(declared, Choice):
-        return format_value(value)
+    if value is None or not isinstance(declared, Range):
+        return declared.displayed(value)
     return exact_text(value, declared.key, declared.unit)
 
 
@@ -267,7 +266,7 @@ def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[s
 
 def _write(pass_of: Scenario, path: Path, values: Values, assignments: Sequence[str]) -> None:
     """Simulate a pass and write its results to a file of the kind that its suffix names."""
-    report = pass_of.run(**pass_of.built(values))
+    report = pass_of.report(values)
     if path.suffix == ".json":
         write_text(path, document(pass_of.name, values, report))
     elif path.suffix == ".csv":
@@ -280,7 +279,8 @@ def _write(pass_of: Scenario, path: Path, values: Values, assignments: Sequence[
             name=pass_of.name,
             question=pass_of.question,
             command=command(assignments),
-            parameters=pass_of.parameter_rows(values),
+            keys=pass_of.keys(),
+            values=values,
             plot=partial(draw, pass_of),
         )
     else:

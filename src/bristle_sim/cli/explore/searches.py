@@ -18,8 +18,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.cli.limits import limits_in_words
 from bristle_sim.cli.scenario import Scenario, build_parameters
-from bristle_sim.conversion import exact_text
-from bristle_sim.parameters import Tool, key_unit
+from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.readable import plain_number, readable_unit
 from bristle_sim.settings import Settings
@@ -30,6 +29,7 @@ from bristle_sim.studies.many_passes import OUTCOME, checked_range, pass_quantit
 from bristle_sim.studies.surface import surface
 from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import QUANTITIES
+from bristle_sim.units import exact_text
 
 SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map; their errors are far below one shade
 COARSE = 40
@@ -59,7 +59,7 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     keys = []
     lines = []
     for key, *ends in (asked["x"], asked["y"]):
-        low, high = (float(pass_of.keys()[key][0].parse(each)) for each in ends)
+        low, high = (float(pass_of.keys()[key].parse(each)) for each in ends)
         keys.append(key)
         lines.append(np.linspace(low, high, 1 + (FINE if fine == "1" else COARSE)))
     # Both axes may show one parameter; the map then changes along the second axis alone.
@@ -98,7 +98,7 @@ def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
     low, high = checked_range(tool, key, ends)
     between: dict[str, Any] = {key: (low, high)}
     found = limits(tool, accuracy=SETTINGS.accuracy, **between)
-    declared: Any = pass_of.keys()[key][0]
+    declared: Any = pass_of.keys()[key]
     return {"answer": limits_in_words(declared, low, high, found)}
 
 
@@ -114,7 +114,7 @@ def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
     return {
         "answer": " ".join([found.answer, *found.remarks]),
         "assignments": {
-            key: exact_text(value, key, key_unit(key)) for key, value in found.varied.items()
+            key: exact_text(value, key, KEYS[key].unit) for key, value in found.varied.items()
         },
     }
 
