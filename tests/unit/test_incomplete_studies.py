@@ -35,7 +35,7 @@ from bristle_sim.render.tool_films import pass_film, row_film
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import strikes_of
-from bristle_sim.studies.bent_bristles import bent_bristles, slide_of
+from bristle_sim.studies.bent_bristles import bent_bristles, slide_measures
 from bristle_sim.studies.cue_map import cue_map
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.flexible_wire import flexible_wire
@@ -78,7 +78,7 @@ REFUSALS = [
     ),
     (partial(whole_tool_figure, None), "^whole_tool: the bristle completes no turn"),
     (
-        lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]),
+        lambda: slide_measures(simulate(Tool(), stop_after="strike").contacts[-1]),
         "^contact = energetic: must be compliant",
     ),
     (lambda: bent_bristles(Tool(), Settings()), "^contact = energetic"),

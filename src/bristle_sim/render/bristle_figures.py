@@ -16,16 +16,12 @@ from bristle_sim.render.drawing import (
     show_points,
     touch_places,
 )
-from bristle_sim.studies.bent_bristles import BentBristles, against_film
+from bristle_sim.studies.bent_bristles import SHAPES, BentBristles, against_film
 from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-SHAPES = {
-    "reverse": ("reverse bent", VERMILION),
-    "straight": ("straight", BLUE),
-    "forward": ("forward bent", GREEN),
-}
-"""Name and colour of each shape of wire."""
+COLOURS = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
+"""Colour of each shape of wire."""
 
 # Time shown before the first touch and after the last touch, s
 BEFORE = 0.6e-3
@@ -63,7 +59,8 @@ def bent_figure(bent: BentBristles) -> Figure:
     drawn = []
     for shape, run in bent.trajectories.items():
         contact = run.first_contact("workpart")
-        name, color = SHAPES[shape]
+        name, _ = SHAPES[shape]
+        color = COLOURS[shape]
         shapes[name + " (never strikes)" * (contact is None)] = {"color": color}
         if contact is not None:
             drawn.append(_draw_strike((wires, paths, slides), run, contact, color))
@@ -78,7 +75,7 @@ def bent_figure(bent: BentBristles) -> Figure:
         for axes in (wires, paths, slides):
             axes.set_axis_off()
             style.say(axes, "no tip strikes the workpart")
-    tool = bent.tools["forward"]
+    tool = bent.trajectories["forward"].tool
     assert tool.workpart is not None
     left = 1.4 / 16.0
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
