@@ -55,12 +55,12 @@ def test_a_number_of_another_kind_is_noticed(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_result_that_is_no_number_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    law = contact_laws.energetic_impact
+    law = contact_laws.resolve_phases
 
     def broken(*arguments: object, **named: object) -> object:
         return dataclasses.replace(law(*arguments, **named), impulse_normal=math.nan)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(contact_laws, "energetic_impact", broken)
+    monkeypatch.setattr(contact_laws, "resolve_phases", broken)
     assert not measured("ends of all ranges, a strike, energetic")
 
 

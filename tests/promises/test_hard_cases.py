@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 from bristle_sim.benchmarks.hard_cases import THEMES
@@ -14,7 +15,6 @@ from bristle_sim.benchmarks.hard_cases.report import TABLES
 from bristle_sim.scene import build, touches
 from bristle_sim.scene import collisions as scene_collisions
 from bristle_sim.scene import impacts as contact_laws
-from bristle_sim.scene import impacts as laws
 from bristle_sim.scene import simulate as scene_simulate
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.extrapolation import Extrapolation
@@ -37,7 +37,13 @@ def test_every_theme_can_be_chosen_and_every_case_has_a_name_of_its_own() -> Non
 
 def law(change: Callable[..., Any]) -> tuple[object, str, Any]:
     """Another impact law in the scene's place of the energetic one."""
-    return contact_laws, "energetic_impact", change
+
+    def phases(
+        k_nn: float, k_nt: float, k_tt: float, normal: float, slip: float, *rest: Any
+    ) -> Any:
+        return change(np.array([[k_nn, k_nt], [k_nt, k_tt]]), (normal, slip), *rest)
+
+    return contact_laws, "resolve_phases", phases
 
 
 def friction_off(error: float) -> tuple[object, str, Any]:
@@ -93,7 +99,6 @@ def gaining(*given: Any) -> Any:
 
 
 RESOLVE = EnergeticLaw.resolve
-LAW = laws.energetic_impact
 
 
 def nameless(*given: Any) -> Any:
@@ -104,7 +109,7 @@ def nameless(*given: Any) -> Any:
 
 def livelier(mass: Any, velocity: Any, friction: float, restitution: float, *others: float) -> Any:
     """Two percent more restitution."""
-    return LAW(mass, velocity, friction, min(1.02 * restitution, 1.0), *others)
+    return energetic_impact(mass, velocity, friction, min(1.02 * restitution, 1.0), *others)
 
 
 def later(**given: Any) -> Any:
@@ -170,7 +175,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
     "another restitution": (
-        (laws, "energetic_impact", livelier),
+        law(livelier),
         ["jam: default pass, friction 0.001 off the jam"],
     ),
     "a jam that is not seen": (

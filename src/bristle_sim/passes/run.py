@@ -20,7 +20,6 @@ from bristle_sim.passes.state import (
     Chosen,
     Passes,
 )
-from bristle_sim.theory.impact import energetic_end
 from bristle_sim.theory.impact_phases import JAM, resolve_phases
 
 LOCAL_FRACTION = 1e-3
@@ -71,9 +70,7 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     friction, restitution = passes.bar_friction, passes.bar_restitution
     inverse_mass = (normal * normal, normal * tangential, tangential * tangential)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        hit = resolve_phases(
-            energetic_end, *inverse_mass, approach, slip, friction, restitution, friction
-        )
+        hit = resolve_phases(*inverse_mass, approach, slip, friction, restitution, friction)
     passes.rate += normal * hit.impulse_normal + tangential * hit.impulse_tangential
     passes.touches += 1.0
     passes.touching[:] = 1.0

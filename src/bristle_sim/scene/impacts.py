@@ -15,7 +15,6 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
 import pymunk
 
 from bristle_sim.scene.build import SHAPE_MARGIN, Scene
@@ -23,7 +22,7 @@ from bristle_sim.scene.contact_point import ContactPoint, contact_at
 from bristle_sim.scene.mechanism import State, Vector, xy
 from bristle_sim.scene.pairs import ContactPair, WorkpartPair
 from bristle_sim.theory.impact import energetic_impact
-from bristle_sim.theory.impact_phases import Impact
+from bristle_sim.theory.impact_phases import Impact, resolve_phases
 from bristle_sim.trajectory import ContactRecord
 
 CANCELS = 100.0
@@ -126,14 +125,13 @@ def impact_at(
     point: ContactPoint, velocity: Vector, pair: ContactPair, tangential_compliance: float = 0.0
 ) -> Impact:
     """Return the energetic impact of a contact point at a velocity."""
+    coefficients = (pair.friction, pair.restitution, pair.restitution_friction)
+    stick = point.stick_compliance
+    if tangential_compliance == 0.0:
+        (k_nn, k_nt), (_, k_tt) = point.inverse_mass
+        return resolve_phases(k_nn, k_nt, k_tt, *velocity, *coefficients, stick)
     return energetic_impact(
-        np.array(point.inverse_mass),
-        velocity,
-        pair.friction,
-        pair.restitution,
-        pair.restitution_friction,
-        point.stick_compliance,
-        tangential_compliance,
+        point.inverse_mass, velocity, *coefficients, stick, tangential_compliance
     )
 
 

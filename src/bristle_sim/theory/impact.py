@@ -35,25 +35,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
+from bristle_sim.theory.impact_arguments import Arguments, first_text, impacts_of, single_impact
 from bristle_sim.theory.impact_phases import (
+    INFINITE,
     OUTCOMES,
     PHASES,
     End,
     Impact,
     Target,
+    energetic_end,
     resolve_phases,
 )
-from bristle_sim.theory.numbers import (
-    first_text,
-    isfinite,
-    numbers,
-    quotient,
-    require,
-    select,
-    single_impact,
-    square_root,
-    unpack,
-)
+from bristle_sim.theory.numbers import numbers, quotient, select
 from bristle_sim.units import shown
 
 __all__ = [
@@ -61,11 +54,10 @@ __all__ = [
 ]  # fmt: skip
 
 LEAST_COMPLIANCE = 1e-4
-MOST_COMPLIANCE = 1e4
-"""Smallest tangential compliance eta^2 at which the springs are followed, and largest one accepted.
+"""Smallest tangential compliance eta^2 at which the springs are followed.
 
-Each swing of the tangential spring is a phase, and there are some 0.65/eta phases. Below the
-smallest value the impact is a weighted mean of the rigid impact and the one at this value."""
+Each swing of the tangential spring is a phase, and there are some 0.65/eta phases. Below this value
+the impact is a weighted mean of the rigid impact and the one at this value."""
 
 BLOCK = 1 << 13  # number of rigid impacts resolved together, so that their arrays fit the cache
 
@@ -130,8 +122,8 @@ def energetic_impact(
     >>> round(impact.velocity_normal, 12), round(impact.velocity_tangential, 12)
     (1.0, -0.5)
     """
-    given = (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
-    return _resolve(energetic_end, given, tangential_compliance)
+    coefficients = (friction, restitution, restitution_friction, stick_compliance)
+    return _resolve(energetic_end, inverse_mass, velocity, *coefficients, tangential_compliance)
 
 
 def poisson_impact(
@@ -156,10 +148,8 @@ def poisson_impact(
     1.5
     """
     _require_rigid(tangential_compliance)
-    return _resolve(
-        _poisson_end,
-        (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance),
-    )
+    coefficients = (friction, restitution, restitution_friction, stick_compliance)
+    return _resolve(_poisson_end, inverse_mass, velocity, *coefficients)
 
 
 def newton_impact(
@@ -185,10 +175,8 @@ def newton_impact(
     1.0
     """
     _require_rigid(tangential_compliance)
-    return _resolve(
-        _newton_end,
-        (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance),
-    )
+    coefficients = (friction, restitution, restitution_friction, stick_compliance)
+    return _resolve(_newton_end, inverse_mass, velocity, *coefficients)
 
 
 LAWS: dict[str, Callable[..., Impact]] = {
@@ -200,15 +188,6 @@ LAWS: dict[str, Callable[..., Impact]] = {
 
 They differ in the normal impulse at which restitution ends. To add a law, write a function that
 returns this impulse and a function of the law, and enter the law here."""
-
-
-def energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
-    """Return the normal impulse at which restitution ends by the energetic coefficient, N s."""
-    # The root of v p + a p^2/2 = W in the form without cancellation; a work that underflows takes
-    # no impulse.
-    work = select(target.work > 0.0, target.work, 0.0)
-    root = square_root(velocity * velocity + 2.0 * compliance * work)
-    return select(work > 0.0, quotient(2.0 * work, velocity + root), 0.0)
 
 
 def _poisson_end(_velocity: Number, _compliance: Number, target: Target) -> Number:
@@ -226,79 +205,77 @@ def _require_rigid(compliance: ArrayLike) -> None:
         )
 
 
-def _resolve(end: End, given: tuple[Any, ...], compliance: Any = 0.0) -> Impact:
+def _resolve(
+    end: End,
+    inverse_mass: Any,
+    velocity: Any,
+    friction: Any,
+    restitution: Any,
+    restitution_friction: Any,
+    stick_compliance: Any,
+    tangential_compliance: Any = 0.0,
+) -> Impact:
     """Check the arguments and resolve the impacts, rigid or on springs.
 
     An impact is rigid if its tangential compliance is 0. ``end`` gives the end of restitution.
     """
-    matrix, velocity, friction, restitution, later, stick = given
-    coefficients = (friction, restitution, friction if later is None else later)
-    coefficients += () if stick is None else (stick,)
-    rigid = type(compliance) in (float, int) and compliance == 0
-    floats = single_impact(matrix, velocity, coefficients) if rigid else None
+    later = friction if restitution_friction is None else restitution_friction
+    given = {"friction": friction, "restitution": restitution, "restitution_friction": later}
+    if stick_compliance is not None:
+        given["stick_compliance"] = stick_compliance
+    rigid = type(tangential_compliance) in (float, int) and tangential_compliance == 0
+    floats = single_impact(inverse_mass, velocity, given) if rigid else None
     if floats is not None:
-        impact = resolve_phases(end, *floats)
+        impact = resolve_phases(**floats, end=end)
         _check_result(impact, floats)
         return impact
-    squared = numbers("tangential_compliance", compliance, "must be real numbers")
-    within = (squared >= 0.0) & (squared <= MOST_COMPLIANCE)
-    rule = f"must be from 0 to {MOST_COMPLIANCE:g} (dimensionless)"
-    require("tangential_compliance", squared, within, rule)
-    values, shape = unpack(matrix, velocity, *coefficients)
-    shape = np.broadcast_shapes(shape, squared.shape)
-    values = [np.broadcast_to(value, shape).ravel() for value in values]
+    given["tangential_compliance"] = tangential_compliance
+    values, shape = impacts_of(inverse_mass, velocity, given)
+    values = {name: value.ravel() for name, value in values.items()}
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        impact = _row(end, values, np.broadcast_to(squared, shape).ravel())
+        impact = _row(end, values.pop("tangential_compliance"), values)
         _check_result(impact, values)
     shaped = [getattr(impact, each.name) for each in fields(Impact)]
     shaped = [each.reshape(shape + each.shape[1:]) for each in shaped]
     return Impact(*(each if each.ndim else each.item() for each in shaped))
 
 
-def _check_result(impact: Impact, arguments: list[Number]) -> None:
-    """Raise ValueError if an impulse, a velocity or a work of an impact is not finite.
+def _check_result(impact: Impact, arguments: Arguments) -> None:
+    """Raise ValueError if an impulse, a velocity or a bound of the works of an impact is not finite.
 
     Such a value has overflowed, or the inverse mass is too small to be inverted.
     """
-    entries = (
-        impact.impulse_normal,
-        impact.impulse_tangential,
-        impact.velocity_normal,
-        impact.velocity_tangential,
-    )
-    total = sum(entries)
-    works = (impact.phase_work_normal, impact.phase_work_tangential)
-    if isinstance(total, float):
-        holds = isfinite(sum([total, *works[0].tolist(), *works[1].tolist()]))
-    else:
-        holds = isfinite(total + works[0].sum(axis=-1) + works[1].sum(axis=-1))
-    if holds is not True and not np.all(holds):
-        k_nn, _, k_tt, normal, tangential, *_ = arguments
+    normal = arguments["normal"]
+    tangential = arguments["tangential"]
+    normal_work = abs(impact.impulse_normal) * (abs(normal) + abs(impact.velocity_normal))
+    speeds = abs(tangential) + abs(impact.velocity_tangential)
+    finite = normal_work + abs(impact.impulse_tangential) * speeds < INFINITE
+    if finite is not True and not np.all(finite):
+        velocity = first_text((normal, tangential), finite)
+        diagonal = first_text((arguments["k_nn"], arguments["k_tt"]), finite)
         raise ValueError(
-            f"velocity = {first_text((normal, tangential), holds)} with inverse_mass of diagonal {first_text((k_nn, k_tt), holds)}:"
+            f"velocity = {velocity} with inverse_mass of diagonal {diagonal}:"
             " must be values whose impulse p = v/K and work v^2/K are finite numbers (m/s, 1/kg)"
         )
 
 
-def _row(end: End, values: list[Number], squared: Number) -> Impact:
+def _row(end: End, squared: Number, values: Arguments) -> Impact:
     """Resolve a one-dimensional array of impacts, rigid or with tangential springs.
 
     ``squared`` holds the tangential compliances eta^2. Where one is below ``LEAST_COMPLIANCE``, the
     result is a mean of the rigid impact and the impact on springs. Without friction the tangential
     spring has no force, and the impact is rigid.
     """
-    elastic = (squared > 0.0) & (values[3] < 0.0) & (values[0] > 0.0)
-    elastic &= (values[5] > 0.0) | (values[7] > 0.0)
+    impact = _rigid_row(end, values)
+    rubs = (values["friction"] > 0.0) | (values["restitution_friction"] > 0.0)
+    elastic = (squared > 0.0) & (values["normal"] < 0.0) & (values["k_nn"] > 0.0) & rubs
     if not elastic.any():
-        return _rigid_row(end, values)
+        return impact
     # Imported only where a contact has this effect.
     from bristle_sim.theory.impact_compliance import compliant_impact
 
-    if (elastic & (squared >= LEAST_COMPLIANCE)).all():
-        return compliant_impact(values, squared)
-    impact = _rigid_row(end, values)
     followed = np.maximum(squared[elastic], LEAST_COMPLIANCE)
-    springs = compliant_impact([value[elastic] for value in values], followed)
+    springs = compliant_impact({name: each[elastic] for name, each in values.items()}, followed)
     rigid = Impact(*(getattr(impact, entry.name)[elastic] for entry in fields(Impact)))
     mean = _mean(rigid, springs, np.sqrt(squared[elastic] / followed))
     for entry in fields(Impact):
@@ -340,11 +317,11 @@ def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
     return Impact(**means)
 
 
-def _rigid_row(end: End, values: list[Number]) -> Impact:
+def _rigid_row(end: End, values: Arguments) -> Impact:
     """Resolve a one-dimensional array of rigid impacts in blocks that fit the cache."""
-    starts = range(0, max(values[0].size, 1), BLOCK)
-    parts = [
-        resolve_phases(end, *(value[start : start + BLOCK] for value in values)) for start in starts
-    ]
+    parts = []
+    for start in range(0, max(values["normal"].size, 1), BLOCK):
+        block = {name: value[start : start + BLOCK] for name, value in values.items()}
+        parts.append(resolve_phases(**block, end=end))
     columns = ([getattr(part, entry.name) for part in parts] for entry in fields(Impact))
     return Impact(*map(np.concatenate, columns))

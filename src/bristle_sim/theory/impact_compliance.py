@@ -40,6 +40,7 @@ from __future__ import annotations
 import numpy as np
 
 from bristle_sim.arrays import Number
+from bristle_sim.theory.impact_arguments import Arguments
 from bristle_sim.theory.impact_events import (
     APART,
     BACKWARD,
@@ -283,46 +284,36 @@ class _Contacts:
         self.again[at] -= FURTHER
 
 
-def compliant_impact(values: list[Number], squared: Number) -> Impact:
+def compliant_impact(values: Arguments, squared: Number) -> Impact:
     """Resolve impacts on a normal spring with energetic restitution and a tangential spring.
 
-    Args:
-        values: arrays of shape (n,): the entries K_nn > 0, K_nt and K_tt of the inverse mass, the
-            velocity v_n < 0 and v_t, friction in loading, restitution e* and friction in unloading.
-            The change of v_n per unit normal impulse in stick may follow, if it is known more
-            accurately than from K.
-        squared: ratio eta^2 > 0 of the normal to the tangential stiffness, shape (n,).
+    ``values`` holds arrays of shape (n,), with K_nn > 0 and v_n < 0. ``squared`` is the ratio eta^2
+    > 0 of the normal to the tangential stiffness, shape (n,).
     """
-    k_nn, k_nt, k_tt, normal, tangential, mu_1, e, mu_2, *given = values
+    k_nn = values["k_nn"]
+    normal = values["normal"]
+    tangential = values["tangential"]
     # Scaling by powers of two keeps squares in the range of floats, and loses no digit.
     mass, speed = (
         np.ldexp(1.0, np.frexp(each)[1]) for each in (k_nn, np.maximum(-normal, abs(tangential)))
     )
     k_nn = k_nn / mass
-    k_nt = k_nt / mass
-    k_tt = k_tt / mass
-    normal, tangential = normal / speed, tangential / speed
-    mu_1 = np.minimum(mu_1, WIDEST_CONE)
-    mu_2 = np.minimum(mu_2, WIDEST_CONE)
-    e = np.where(e < LEAST_RESTITUTION, 0.0, e)
+    k_nt = values["k_nt"] / mass
+    k_tt = values["k_tt"] / mass
+    stick_compliance = values.get("stick_compliance")
+    known = None if stick_compliance is None else stick_compliance / mass
+    normal = normal / speed
+    tangential = tangential / speed
+    mu_1 = np.minimum(values["friction"], WIDEST_CONE)
+    mu_2 = np.minimum(values["restitution_friction"], WIDEST_CONE)
+    e = np.where(values["restitution"] < LEAST_RESTITUTION, 0.0, values["restitution"])
     none = np.zeros_like(normal)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        inverse_mass = inverse_mass_of(k_nn, k_nt, k_tt, given[0] / mass if given else None)
-        bodies = (
-            k_nn,
-            k_nt,
-            k_tt,
-            inverse_mass.stick,
-            -inverse_mass.stick_ratio,
-            mu_1,
-            mu_2,
-            e,
-            np.sqrt(squared),
-            -normal,
-        )
-        contact = Contact(
-            *bodies, normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none
-        )
+        inverse_mass = inverse_mass_of(k_nn, k_nt, k_tt, known)
+        matrix = (k_nn, k_nt, k_tt, inverse_mass.stick, -inverse_mass.stick_ratio)
+        surface = (mu_1, mu_2, e, np.sqrt(squared))
+        begun = (normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none)
+        contact = Contact(*matrix, *surface, -normal, *begun)
         contacts = _Contacts(contact._replace(slip=begun_slip(contact)))
         active = np.arange(none.size)
         while active.size:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import EqualByValue, Number
-from bristle_sim.theory.numbers import inverse, quotient, select, sign
+from bristle_sim.theory.numbers import quotient, select, sign, square_root
 
 INFINITE = math.inf
 
@@ -87,16 +87,14 @@ class Impact(EqualByValue):
     @property
     def compressive_work(self) -> tuple[Number, Number]:
         """Return the normal work, which is negative, and the tangential work of compression, J."""
-        return self.phase_work_normal[..., :2].sum(axis=-1), self.phase_work_tangential[
-            ..., :2
-        ].sum(axis=-1)
+        normal = self.phase_work_normal[..., :2].sum(axis=-1)
+        return normal, self.phase_work_tangential[..., :2].sum(axis=-1)
 
     @property
     def restitutive_work(self) -> tuple[Number, Number]:
         """Return the normal work, which is positive, and the tangential work of restitution, J."""
-        return self.phase_work_normal[..., 2:].sum(axis=-1), self.phase_work_tangential[
-            ..., 2:
-        ].sum(axis=-1)
+        normal = self.phase_work_normal[..., 2:].sum(axis=-1)
+        return normal, self.phase_work_tangential[..., 2:].sum(axis=-1)
 
     @property
     def energy_change(self) -> Number:
@@ -179,76 +177,92 @@ class _Phase(NamedTuple):
 
 _NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # phase that does not occur in a single impact
 
-End = Callable[
-    [Number, Number, Target], Number
-]  # (velocity, compliance, target) -> normal impulse of restitution
+# (velocity, compliance, target) -> normal impulse of restitution
+End = Callable[[Number, Number, Target], Number]
+
+
+def energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
+    """Return the normal impulse at which restitution ends by the energetic coefficient, N s."""
+    # The root of v p + a p^2/2 = W in the form without cancellation; a work that underflows takes
+    # no impulse.
+    work = select(target.work > 0.0, target.work, 0.0)
+    root = square_root(velocity * velocity + 2.0 * compliance * work)
+    return select(work > 0.0, quotient(2.0 * work, velocity + root), 0.0)
 
 
 def resolve_phases(
-    end: End,
     k_nn: Number,
     k_nt: Number,
     k_tt: Number,
     normal: Number,
     tangential: Number,
-    mu_1: Number,
-    e: Number,
-    mu_2: Number,
-    stick: Number | None = None,
+    friction: Number,
+    restitution: Number,
+    restitution_friction: Number,
+    stick_compliance: Number | None = None,
+    end: End = energetic_end,
 ) -> Impact:
-    """Resolve rigid impacts phase by phase.
+    """Resolve rigid impacts phase by phase, without a check of the arguments.
 
     Args:
-        end: function that returns the normal impulse at which restitution ends.
         k_nn: normal entry of the inverse mass matrix, 1/kg.
         k_nt: coupling entry of the inverse mass matrix, 1/kg.
         k_tt: tangential entry of the inverse mass matrix, 1/kg.
         normal: normal velocity before the impact, m/s.
         tangential: tangential velocity before the impact, m/s.
-        mu_1: coefficient of friction in compression.
-        e: coefficient of restitution.
-        mu_2: coefficient of friction in restitution.
-        stick: change of the normal velocity per unit normal impulse in stick, 1/kg; by default
-            computed from the matrix.
+        friction: coefficient of friction in compression.
+        restitution: coefficient of restitution e.
+        restitution_friction: coefficient of friction in restitution.
+        stick_compliance: change of the normal velocity per unit normal impulse in stick, 1/kg; by
+            default computed from the matrix.
+        end: function that returns the normal impulse at which restitution ends, by default that of
+            the energetic coefficient.
     """
-    mass = inverse_mass_of(k_nn, k_nt, k_tt, stick)
+    mass = inverse_mass_of(k_nn, k_nt, k_tt, stick_compliance)
     approaching = normal < 0.0
     none = abs(0.0 * normal)
     state = _State(select(approaching, normal, 0.0), tangential, none, none)
     initial = sign(tangential)
 
-    first = _phase(state, mass, mu_1, initial, approaching & (initial != 0.0))
-    second = _phase(state, mass, mu_1, _settled(mass, mu_1), state.normal < 0.0)
+    first = _phase(state, mass, friction, initial, approaching & (initial != 0.0))
+    second = _phase(state, mass, friction, _settled(mass, friction), state.normal < 0.0)
     jammed = approaching & (state.normal < KNIFE_EDGE * normal)
     compressive = (state.impulse, state.impulse_tangential)
 
     # Compression may have ended in slip, reversed slip or stick; slip continues.
-    work = -(first.work_normal + second.work_normal) * e * e
-    target = Target(work, e * compressive[0], -e * normal, -KNIFE_EDGE * normal)
-    opens = (approaching ^ jammed) & (e > 0.0)
+    work = -(first.work_normal + second.work_normal) * restitution * restitution
+    target = Target(work, restitution * compressive[0], -restitution * normal, -KNIFE_EDGE * normal)
+    opens = (approaching ^ jammed) & (restitution > 0.0)
     slip = sign(state.tangential)
-    third = _phase(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
-    left = Target(
-        work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least
-    )
+    third = _phase(state, mass, restitution_friction, slip, opens & (slip != 0.0), target, end)
+    left = target._replace(work=work - third.work_normal, impulse=target.impulse - third.impulse)
     still_open = opens & ((slip == 0.0) | third.unfinished)
-    fourth = _phase(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
+    settled = _settled(mass, restitution_friction)
+    fourth = _phase(state, mass, restitution_friction, settled, still_open, left, end)
 
     # Poisson's restitution ends at an impulse, even where no impulse can part a point of one degree
     # of freedom.
     stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
     parted = select(state.normal > 0.0, REBOUND, NO_REBOUND)
-    ending = select(e == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
+    ending = select(restitution == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
     late = first.impulse + second.impulse + third.impulse
     stop = select(first.stopped, first.impulse, select(third.stopped, late, INFINITE))
-    slip_stop = select(initial == 0.0, 0.0, stop)
     *columns, _, _ = zip(first, second, third, fourth, strict=True)
     impulses, slips, normal_works, tangential_works = np.array(columns).swapaxes(1, -1)
-    phases = (impulses, slips, normal_works, tangential_works)
-    impulse = (state.impulse, state.impulse_tangential)
-    velocity = select(approaching, state.normal, normal)
-    outcome = select(approaching, select(jammed, JAM, ending), NO_CONTACT)
-    return Impact(*impulse, velocity, state.tangential, *compressive, slip_stop, *phases, outcome)
+    return Impact(
+        impulse_normal=state.impulse,
+        impulse_tangential=state.impulse_tangential,
+        velocity_normal=select(approaching, state.normal, normal),
+        velocity_tangential=state.tangential,
+        compressive_impulse_normal=compressive[0],
+        compressive_impulse_tangential=compressive[1],
+        slip_stop_impulse=select(initial == 0.0, 0.0, stop),
+        phase_impulse=impulses,
+        phase_slip=slips,
+        phase_work_normal=normal_works,
+        phase_work_tangential=tangential_works,
+        outcome=select(approaching, select(jammed, JAM, ending), NO_CONTACT),
+    )
 
 
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
@@ -257,7 +271,7 @@ def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | No
     ``stick`` is the change of the normal velocity per unit normal impulse in stick; with None it is
     computed from the matrix.
     """
-    ratio = select(k_tt > 0.0, k_nt * inverse(k_tt), 0.0)
+    ratio = select(k_tt > 0.0, quotient(k_nt, k_tt), 0.0)
     if stick is None:
         difference = k_nn - ratio * k_nt
         stick = select(difference > SINGULAR * k_nn, difference, 0.0)
@@ -301,8 +315,9 @@ def _phase(
         at_rest = (slip * mass.coupling > 0.0) & (normal_rate <= 0.0)
         # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree
         # of freedom.
-        slowing = -mass.stick * mass.tangential * inverse(mass.coupling)
-        ratio = select(at_rest, -mass.normal * inverse(mass.coupling), ratio)
+        coupling = abs(mass.coupling)
+        slowing = -slip * quotient(mass.stick * mass.tangential, coupling)
+        ratio = select(at_rest, -slip * quotient(mass.normal, coupling), ratio)
         normal_rate = select(at_rest, 0.0, normal_rate)
         tangential_rate = select(at_rest, slowing, tangential_rate)
     ratio = select(sticks, mass.stick_ratio, ratio)
