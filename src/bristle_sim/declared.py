@@ -23,6 +23,7 @@ from bristle_sim.units import (
     TYPED,
     conversion,
     display_unit,
+    likely_key,
     likely_unit,
     meant_unit,
     scaled,
@@ -301,6 +302,10 @@ class UnusualValueWarning(UserWarning):
     """Warns that a parameter is so far from its default that its unit may be mistaken."""
 
 
+class UnknownFieldError(TypeError, ValueError):
+    """Raised for a keyword argument that is not a field of the parameter class."""
+
+
 class Declared:
     """Base class of frozen parameter dataclasses, whose declared fields are checked on creation.
 
@@ -333,6 +338,20 @@ class Declared:
                     words, 100, initial_indent="    ", subsequent_indent="        "
                 )
         cls.__doc__ = "\n".join(lines)
+
+    def __new__(cls, *_: Any, **given: Any) -> Any:
+        """Refuse an unknown keyword argument, and suggest the most similar field.
+
+        Raises:
+            UnknownFieldError: for a keyword argument that is not a field.
+        """
+        known = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
+        for name in given:
+            if name not in known:
+                raise UnknownFieldError(
+                    f"{cls.__name__}: unknown field {name!r}; {likely_key(name, known)}"
+                )
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         """Check every declared field, and replace its value by the checked one.

@@ -238,7 +238,11 @@ def test_a_tool_is_shown_one_line_a_part_in_engineering_units():
     assert "<th>hub</th>" in Tool()._repr_html_()
 
 
-def test_a_path_in_place_of_a_tool_is_named():
+def test_a_misspelt_field_and_a_path_in_place_of_a_tool_are_named():
+    with pytest.raises(ValueError, match=r"^Hub: unknown field 'sped'; did you mean speed\?$"):
+        Hub(sped=3)  # type: ignore[call-arg]
+    with pytest.raises(TypeError):
+        Hub(sped=3)  # type: ignore[call-arg]
     with pytest.raises(ValueError, match=r"must be a Tool; read_tool\('tool.toml'\) reads one"):
         simulate("tool.toml")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"must be a Tool; read_tool\('tool.toml'\) reads one"):
