@@ -35,7 +35,7 @@ REFUSED = [
     ("single_pendulum --write-tool tool.toml", "--write-tool"),  # of a scenario without a tool
     ("cue_and_impact --video a.gif --size big", "--size: 'big': must be WIDTHxHEIGHT, such as 1280x720 (in px)"),
     ("cue_and_impact --video a.gif --size 0x0", "--size: '0x0': must be 16 to 8192 along either edge (in px)"),
-    ("cue_and_impact --video a.gif --fps 0", "--fps: '0': must be a finite number above 0 (in 1/s)"),
+    ("cue_and_impact --video a.gif --fps 0", "--fps: fps = '0': must be a finite number with 0 < fps <= 1e+06 (in 1/s)"),
     (f"cue_and_impact --json {'a' * 300}", "must be a file name of at most 255 bytes"),
     ("cue_and_impact --size 640x480", "--size: must be given with --video"),
     ("cue_and_impact --plot a.bmp", "--plot = 'a.bmp': must be a file name that ends in .png, .svg, .pdf"),

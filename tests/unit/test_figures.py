@@ -74,7 +74,7 @@ def drawn(name: str, assignments: str, film: bool = False) -> Figure:
     declared = scenario(name)
     draw = declared.film if film else declared.plot
     assert draw is not None
-    made = draw(declared.report(declared.values_of(assignments.split())))
+    made = draw(declared.run(**declared.built(declared.values_of(assignments.split()))))
     return made.figure if film else made
 
 

@@ -4,7 +4,7 @@ It reads the values of the parameters and writes the table, JSON, CSV, picture, 
 status.
 """
 
-from bristle_sim.cli.main import main
+from bristle_sim.cli.command import run_scenario as main
 from bristle_sim.cli.scenario import Columns, Film, Picture, Scenario
 
 __all__ = ["Columns", "Film", "Picture", "Scenario", "main"]

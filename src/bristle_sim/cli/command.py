@@ -1,23 +1,54 @@
-"""The command ``bristle-sim``: lists the scenarios, or runs one of them as its script does."""
+"""The command ``bristle-sim``, and the command line of every scenario script.
+
+The command lists the scenarios, or runs one of them as its script does: it reads the options, runs
+the scenario, writes files, and handles Ctrl-C.
+"""
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
+import shlex
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
+from pathlib import Path
+from typing import Any
 
-from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
-from bristle_sim.cli.main import main as run
-from bristle_sim.cli.options import Parser
-from bristle_sim.cli.output import print_error, print_line
-from bristle_sim.cli.scenario import load_scenario, main_scenario, script_paths
+from bristle_sim.cli.options import Content, Parser, deliver, parser_of, targets_of
+from bristle_sim.cli.output import (
+    csv_text,
+    document,
+    ending_in_order,
+    in_words,
+    print_error,
+    print_line,
+    progress,
+)
+from bristle_sim.cli.scenario import (
+    Columns,
+    Scenario,
+    Values,
+    build_parameters,
+    load_scenario,
+    main_scenario,
+    script_paths,
+)
+from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.declared import UnusualValueWarning
+from bristle_sim.parameters import Tool
+from bristle_sim.tool_file import write_tool
 from bristle_sim.units import likely_key
 from bristle_sim.version import __version__, commit
+
+# Exit statuses. A shell reports INTERRUPTED for a command that Ctrl-C has ended.
+MISSED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
 
 PROGRAM = "bristle-sim"
 
@@ -42,6 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     first = given[0] if given else ""
     name = first.removesuffix(".py")
+    program = f"{PROGRAM} {first}" if first in COMMANDS else PROGRAM
     known = script_paths()
     if "_ARGCOMPLETE" in os.environ:
         with suppress(ImportError):  # without the package argcomplete nothing is completed
@@ -49,14 +81,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
             complete(known, COMMANDS)
     try:
+        if name in known:
+            scenario = load_scenario(known[name])
+            return run_scenario(scenario, given[1:], program=f"{PROGRAM} {name}")
+        if first in COMMANDS:
+            return _run_command(first, given[1:], program)
         if first == "--version":
             print_line(f"{PROGRAM} {__version__}" + (f" (commit {commit()})" if commit() else ""))
         elif first in ("", "-h", "--help"):
             print_line("\n\n".join([overview(), *([HELP] if first else [])]))
-        elif first in COMMANDS:
-            return _command(first, given[1:])
-        elif name in known:
-            return run(load_scenario(known[name]), given[1:], program=f"{PROGRAM} {name}")
         elif name.startswith("-"):
             raise ValueError(
                 f"{name}: must come after the name of a scenario; {PROGRAM} alone lists them"
@@ -65,30 +98,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
             advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
             raise ValueError(f"unknown scenario {first!r}; {advice}")
     except (ValueError, OSError) as error:
-        print_error(f"{PROGRAM}: error: {error}")
-        return BAD_INPUT
-    return 0
-
-
-def _command(name: str, given: Sequence[str]) -> int:
-    """Run a command that simulates the whole pass, for example ``compare``; return the exit status."""
-    place = "explore.entry" if name == "explore" else name
-    module = import_module(f"bristle_sim.cli.{place}")
-    about = COMMANDS[name].partition(":")[0]
-    program = f"{PROGRAM} {name}"
-    parser = Parser(prog=program, description=f"{about.capitalize()}.", allow_abbrev=False)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("once", UnusualValueWarning)
-            warnings.showwarning = lambda text, *_: print_error(f"{program}: warning: {text}")
-            status: int = module.main(main_scenario(), parser, given)
-            return status
-    except (ValueError, OSError) as error:
         print_error(f"{program}: error: {error}")
         return BAD_INPUT
     except KeyboardInterrupt:
         print_error(f"{program}: ended")
         return INTERRUPTED
+    return 0
+
+
+def _run_command(name: str, given: Sequence[str], program: str) -> int:
+    """Run a command that simulates the whole pass, for example ``compare``; return the exit status."""
+    place = "explore.entry" if name == "explore" else name
+    module = import_module(f"bristle_sim.cli.{place}")
+    about = COMMANDS[name].partition(":")[0].capitalize()
+    parser = Parser(prog=program, description=f"{about}.", allow_abbrev=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("once", UnusualValueWarning)
+        warnings.showwarning = lambda text, *_: print_error(f"{program}: warning: {text}")
+        status: int = module.main(main_scenario(), parser, given)
+    return status
 
 
 def overview() -> str:
@@ -109,3 +137,163 @@ def overview() -> str:
     lines += ["", *(f"  {name:{width}}  {words}" for name, words in COMMANDS.items())]
     usage = f"usage: {PROGRAM} SCENARIO [--set KEY=VALUE]... [--report FILE.html]"
     return "\n".join([f"{usage}; {PROGRAM} --help says more", "", *lines])
+
+
+def run_scenario(
+    scenario: Scenario, arguments: Sequence[str] | None = None, *, program: str = ""
+) -> int:
+    """Run a scenario from the command line and return its exit status.
+
+    The exit status is 0, or 1 if a quantity misses its tolerance, 2 for bad input, and 130 after an
+    interruption. ``program`` is the name of the command in messages; by default the name of the
+    script.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
+    program = program or f"{scenario.name}.py"
+    remarks = list[str]()
+    status = 0
+    with ending_in_order(), progress(program), warnings.catch_warnings():
+        # typed values have warnings of their own, in one line each
+        warnings.simplefilter("ignore", UnusualValueWarning)
+        try:
+            parser = parser_of(scenario, program, sweeping="--sweep" in command)
+            options = parser.parse_args(arguments)
+            if options.list_keys:
+                print_line(scenario.key_list())
+                return 0
+            if options.parameters is not None:
+                from_file, remarks = scenario.assignments_from(options.parameters)
+                options.set = [*from_file, *options.set]
+            values = scenario.values_of(options.set)
+            remarks += scenario.warnings_of(options.set, values)
+            targets = targets_of(options, scenario, values)
+            if options.sweep:
+                from bristle_sim.cli.sweep import run_sweep
+
+                run_sweep(scenario, options, targets)
+            else:
+                try:
+                    report = scenario.run(**scenario.built(values))
+                except Unfinished as interruption:
+                    report = interruption.report
+                    status = INTERRUPTED
+                except ArithmeticError as error:
+                    if not options.set:
+                        raise
+                    raise ValueError(
+                        f"{', '.join(options.set)}: must be less extreme ({error})"
+                    ) from error
+                contents = _contents(
+                    scenario, options, values, targets, command, report, finished=not status
+                )
+                status = status or MISSED * any(each.ok is False for each in report.quantities)
+                deliver(options, targets, contents, in_words(report))
+        except (ValueError, OSError) as error:
+            print_error(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
+            return BAD_INPUT
+        except KeyboardInterrupt:
+            status = INTERRUPTED
+    for line in remarks:
+        print_error(f"{program}: warning: {line}")
+    if status == INTERRUPTED:
+        print_error(f"{program}: interrupted")
+    return status
+
+
+MOST_ROWS = 1_000_000  # largest number of rows of a CSV file with equally spaced times
+
+
+def _even_columns(subject: Any, step: float) -> Columns:
+    """Return the motion of a run at equally spaced times, as columns of a CSV file.
+
+    ``subject`` holds the run as ``trajectory``. ``step`` is the time between two rows, s.
+
+    Raises:
+        ValueError: for too many rows, or a subject without a motion.
+    """
+    import numpy as np
+
+    run = getattr(subject, "trajectory", None)
+    if run is None:
+        raise ValueError("--interval: must be left out, this scenario has no motion to interpolate")
+    rows = 1 + int((run.time[-1] - run.time[0]) / step)
+    if rows > MOST_ROWS:
+        raise ValueError(
+            f"--interval = {step:g}: must give at most {MOST_ROWS} rows, not {rows} (in s)"
+        )
+    instants = np.minimum(run.time[0] + step * np.arange(rows), run.time[-1])
+    columns: Columns = run.at(instants).columns()
+    return columns
+
+
+def _contents(
+    scenario: Scenario,
+    options: argparse.Namespace,
+    values: Values,
+    targets: Mapping[str, Path],
+    command: str,
+    report: Report,
+    *,
+    finished: bool,
+) -> dict[str, Content]:
+    """Return the functions that write figure, film, tool file and report page, and the texts of CSV
+    and JSON, by option, in the order of writing: the page shows the film.
+
+    An interrupted run, which has not ``finished``, has the JSON alone.
+    """
+
+    def film(target: Path) -> None:
+        """Write the film of the run."""
+        assert scenario.film is not None
+        rate = {} if options.fps is None else {"fps": options.fps}
+        scenario.film(report, **(options.size or {})).write(target, **rate)
+
+    def tool_file(target: Path) -> None:
+        """Write the file of the tool that was run or found."""
+        found = scenario.tool(report) if scenario.tool else build_parameters(Tool, values)
+        write_tool(found, target)
+
+    def page(target: Path) -> None:
+        """Write the report page."""
+        from bristle_sim.render.report import write_report
+
+        write_report(
+            target,
+            report,
+            name=scenario.name,
+            question=scenario.question,
+            command=command,
+            keys=scenario.keys(),
+            values=values,
+            plot=partial(draw, scenario) if scenario.plot or scenario.plots else None,
+            plot_is_folder=scenario.plots is not None,
+            video=targets.get("video"),
+        )
+
+    found = dict[str, Content]()
+    if finished:
+        found["plot"] = partial(draw, scenario, report)
+        found |= {"video": film, "write-tool": tool_file, "report": page}
+    if finished and options.csv is not None:
+        assert scenario.series is not None
+        write = scenario.formats.get(Path(options.csv).suffix.lower())
+        if options.interval is not None:
+            found["csv"] = csv_text(_even_columns(report.subject, options.interval))
+        else:
+            found["csv"] = write(report) if write else csv_text(scenario.series(report))
+    if options.json is not None:
+        unfinished = {} if finished else {"finished": False}
+        found["json"] = document(scenario.name, values, report, **unfinished)
+    return found
+
+
+def draw(scenario: Scenario, report: Report, path: Path) -> None:
+    """Draw the figure of a report to a file, or its several figures to a folder or PDF."""
+    if scenario.plot is not None:
+        from bristle_sim.render.style import save_figure
+
+        save_figure(scenario.plot(report), path)
+    else:
+        assert scenario.plots is not None
+        scenario.plots(report, path)

@@ -9,7 +9,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from bristle_sim.cli.options import Content, add_options, deliver, files_of
+from bristle_sim.cli.options import Content, add_options, deliver, targets_of
 from bristle_sim.cli.output import csv_text
 from bristle_sim.cli.scenario import Scenario, Values
 from bristle_sim.comparison import Quantity, Report
@@ -34,13 +34,13 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     parser.add_argument("second", metavar="B.toml", help="another tool")
     add_options(parser, "report", "plot", "csv")
     options = parser.parse_args(arguments)
-    targets = files_of(options)
+    targets = targets_of(options)
     names = [Path(options.first).stem, Path(options.second).stem]
     tools = [
         pass_of.values_of(pass_of.assignments_from(path, name)[0])
         for name, path in (("A.toml", options.first), ("B.toml", options.second))
     ]
-    reports = [pass_of.report(values) for values in tools]
+    reports = [pass_of.run(**pass_of.built(values)) for values in tools]
     changed = _changes(pass_of, *tools)
     seconds = {each.name: each for each in reports[1].quantities}
     pairs = [

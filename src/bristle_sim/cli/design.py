@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from bristle_sim.cli.main import MISSED
-from bristle_sim.cli.options import Content, add_options, deliver, files_of
+from bristle_sim.cli.command import MISSED
+from bristle_sim.cli.options import Content, add_options, deliver, targets_of
 from bristle_sim.cli.output import json_of, print_error
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.parameters import KEYS, Tool
@@ -41,9 +41,9 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         parser.add_argument(f"--{name}", metavar=metavar, action="append", default=[], help=words)
     parser.add_argument("--minimize", metavar="QUANTITY", default="")
     parser.add_argument("--maximize", metavar="QUANTITY", default="")
-    add_options(parser, "set", "parameters", "write_tool", "json", "plot")
+    add_options(parser, "set", "parameters", "write-tool", "json", "plot")
     options = parser.parse_args(arguments)
-    targets = files_of(options)
+    targets = targets_of(options)
     given = [] if options.parameters is None else pass_of.assignments_from(options.parameters)[0]
     values = pass_of.values_of([*given, *options.set])
     found = design(
@@ -79,7 +79,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
         save_figure(found.plot(), target)
 
-    made: dict[str, Content] = {"plot": plot, "write_tool": partial(write_tool, found.tool)}
+    made: dict[str, Content] = {"plot": plot, "write-tool": partial(write_tool, found.tool)}
     lines = [found.answer, *found.remarks, "", *_table(found)]
     deliver(options, targets, made | {"json": text}, "\n".join(lines))
     return MISSED if found.conflict else 0

@@ -7,7 +7,7 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
-from bristle_sim.cli.options import add_options, deliver, files_of
+from bristle_sim.cli.options import add_options, deliver, targets_of
 from bristle_sim.cli.output import json_of
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.declared import Range
@@ -32,7 +32,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     add_options(parser, "set", "json")
     options = parser.parse_args(arguments)
     key, _, ends = options.range.partition("=")
-    targets = files_of(options)
+    targets = targets_of(options)
     values = pass_of.values_of(options.set)
     tool = build_parameters(Tool, values)
     low, high = checked_range(tool, key, ends)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import re
 import sys
@@ -13,13 +12,14 @@ from typing import Any, NoReturn
 
 from bristle_sim.cli.output import print_error, print_line, write_text
 from bristle_sim.cli.scenario import Scenario, Values
+from bristle_sim.declared import Range
 from bristle_sim.files import checked_target, is_special
 
-KINDS = {
-    "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write_tool": (".toml",),
+SUFFIXES = {
+    "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write-tool": (".toml",),
     "report": (".html",),
 }  # fmt: skip
-"""File suffixes that each option accepts; an empty tuple accepts any suffix."""
+"""File suffixes that each option of a file accepts; an empty tuple accepts any suffix."""
 
 NEEDED = {
     "fps": "video", "interval": "csv", "quantity": "sweep", "size": "video", "store": "sweep", "workers": "sweep",
@@ -27,44 +27,6 @@ NEEDED = {
 """Options that have an effect with another option alone, and that option."""
 
 ON_STANDARD_OUTPUT = ("json", "csv")  # options for which the value - means standard output
-
-
-def flag(option: str) -> str:
-    """Return the name of an option as the user types it, for example ``--write-tool``."""
-    return f"--{option.replace('_', '-')}"
-
-
-def files_of(
-    options: argparse.Namespace, formats: Sequence[str] = (), *, folder: bool = False
-) -> dict[str, Path]:
-    """Return the output files that the options name, after a check that each can be written.
-
-    Args:
-        options: the parsed options. An option that was not given is absent or None.
-        formats: suffixes that ``--csv`` accepts besides ``.csv``.
-        folder: whether ``--plot`` draws several figures, into a folder or a PDF.
-
-    Returns:
-        The path of each file by the name of its option.
-
-    Raises:
-        ValueError: in one line, for a file that cannot be written or has another suffix.
-    """
-    found = dict[str, Path]()
-    for name, suffixes in KINDS.items():
-        path = getattr(options, name, None)
-        if path is None or (path == "-" and name in ON_STANDARD_OUTPUT):
-            continue
-        suffix = Path(path).suffix.lower()
-        into_folder = folder and name == "plot" and suffix != ".pdf"
-        if into_folder and suffix in suffixes:
-            raise ValueError(
-                f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf"
-            )
-        kinds = (*suffixes, *formats) if name == "csv" else suffixes
-        kinds = () if name == "csv" and is_special(Path(path)) else kinds
-        found[name] = checked_target(path, kinds, option=flag(name), folder=into_folder)
-    return found
 
 
 Content = str | Callable[[Path], object]
@@ -103,39 +65,54 @@ def deliver(
             else:
                 made(target)
         except OSError as error:
-            raise OSError(f"{flag(option)} = {str(target)!r}: {error.strerror or error}") from error
+            raise OSError(f"--{option} = {str(target)!r}: {error.strerror or error}") from error
         if option != "json":
-            print_error(f"{flag(option)}: wrote {target}")
+            print_error(f"--{option}: wrote {target}")
     print_line(answer)
 
 
-def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path]:
-    """Return the output files that the options of a scenario name, by option, after all checks.
+def targets_of(
+    options: argparse.Namespace, scenario: Scenario | None = None, values: Values | None = None
+) -> dict[str, Path]:
+    """Return the output files that the options name, by option, after all checks.
 
     Each file must be writable, and no file may be named twice, except a device such as /dev/null.
 
+    Args:
+        options: the parsed options. An option that was not given is absent or None.
+        scenario: the scenario that is run; None for a command.
+        values: values of the scenario's parameters, by key.
+
     Raises:
-        ValueError: for a file that is refused, or options that contradict each other.
+        ValueError: in one line, for a file that cannot be written or has another suffix, or for
+            options that contradict each other.
         OSError: if standard output is closed.
     """
     if sys.stdout is None:
         raise OSError("standard output: must be open")
-    given = {name for name, value in vars(options).items() if value not in (None, [])}
+    given = {name: value for name, value in vars(options).items() if value not in (None, [])}
     for name, other in NEEDED.items():
         if name in given and other not in given:
-            raise ValueError(f"{flag(name)}: must be given with {flag(other)}")
-    for name in ("interval", "report", "video", "write_tool"):
-        if {name, "sweep"} <= given:
-            raise ValueError(f"{flag(name)}: must be left out with --sweep")
-    if options.json == options.csv == "-":
+            raise ValueError(f"--{name}: must be given with --{other}")
+    for name in ("interval", "report", "video", "write-tool"):
+        if {name, "sweep"} <= given.keys():
+            raise ValueError(f"--{name}: must be left out with --sweep")
+    if given.get("json") == given.get("csv") == "-":
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
-    found = files_of(options, [*scenario.formats], folder=scenario.plots is not None)
-    named = {"--parameters": options.parameters}
-    for key, declared in scenario.keys().items():
-        if declared.unit == "file":
-            named[key] = values[key]
+    named = {"--parameters": given.get("parameters")}
+    formats = list[str]()
+    if scenario is not None and values is not None:
+        formats += scenario.formats
+        files = [key for key, declared in scenario.keys().items() if declared.unit == "file"]
+        named |= {key: values[key] for key in files}
+    several = scenario is not None and scenario.plots is not None
+    found = {
+        name: _checked(name, given[name], formats, several=several)
+        for name in SUFFIXES
+        if name in given and not (given[name] == "-" and name in ON_STANDARD_OUTPUT)
+    }
     seen = dict[str, str]()
-    for option, path in {**named, **{flag(name): path for name, path in found.items()}}.items():
+    for option, path in [*named.items(), *((f"--{name}", path) for name, path in found.items())]:
         if path is not None and not is_special(Path(path)):
             place = os.path.realpath(path)
             if place in seen:
@@ -144,6 +121,25 @@ def targets_of(scenario: Scenario, options: argparse.Namespace, values: Values) 
                 )
             seen[place] = option
     return found
+
+
+def _checked(name: str, path: str, formats: Sequence[str], *, several: bool) -> Path:
+    """Return the path of an option's file after a check that it can be written.
+
+    Args:
+        name: name of the option.
+        path: typed path.
+        formats: suffixes that ``--csv`` accepts besides ``.csv``.
+        several: whether ``--plot`` draws several figures, into a folder or a PDF.
+    """
+    suffixes = SUFFIXES[name]
+    suffix = Path(path).suffix.lower()
+    folder = several and name == "plot" and suffix != ".pdf"
+    if folder and suffix in suffixes:
+        raise ValueError(f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf")
+    if name == "csv":
+        suffixes = () if is_special(Path(path)) else (*suffixes, *formats)
+    return checked_target(path, suffixes, option=f"--{name}", folder=folder)
 
 
 class Parser(argparse.ArgumentParser):
@@ -177,15 +173,18 @@ def _size(text: str) -> dict[str, int]:
     return {"width": width, "height": height}
 
 
-def _frame_rate(text: str) -> float:
-    """Return the number of frames per second from a text."""
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = 0.0
-    if not 0.0 < rate < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a finite number above 0 (in 1/s)")
-    return rate
+def _number(key: str, unit: str, most: float) -> Callable[[str], float]:
+    """Return the function that reads a number above 0 and up to ``most``, with or without a unit."""
+    declared = Range(key, unit, 0.0, most, lowest_allowed=False)
+
+    def read(text: str) -> float:
+        """Return the number, or raise the exception whose message argparse prints."""
+        try:
+            return declared.parse(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+
+    return read
 
 
 APPENDED: dict[str, Any] = {"action": "append", "default": []}
@@ -195,13 +194,13 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "parameters": ("FILE.toml", "read the tool from a file; --set overrides it", {}),
     "json": ("FILE", "write the results as JSON; - for standard output", {}),
     "csv": ("FILE.csv", "write the time series, one row a sample; - for standard output", {}),
-    "interval": ("TIME", "evenly spaced rows of the CSV, such as 10us, in place of the samples", {}),
+    "interval": ("TIME", "evenly spaced rows of the CSV, such as 10us, in place of the samples", {"type": _number("interval", "s", 1.0)}),
     "plot": ("FILE", "draw the figure (PNG, SVG, PDF); for several figures a folder or a PDF", {}),
     "video": ("FILE", "render a video (MP4, GIF)", {}),
     "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
-    "fps": ("NUMBER", "frames per second of the video", {"type": _frame_rate}),
+    "fps": ("NUMBER", "frames per second of the video", {"type": _number("fps", "1/s", 1e6)}),
     "report": ("FILE.html", "write a page with question, answer, figures and parameters", {}),
-    "write_tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
+    "write-tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
     "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": int}),
     "store": ("FOLDER", "keep finished points of a sweep, and go on from them", {}),
     "quantity": ("NAME", "a quantity that a sweep shows, in place of all that change; repeatable", APPENDED),
@@ -215,7 +214,7 @@ def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
     """Add the options with the given names to a parser; :data:`OPTIONS` describes them."""
     for name in names:
         metavar, words, how = OPTIONS[name]
-        parser.add_argument(flag(name), metavar=metavar, help=words, **how)
+        parser.add_argument(f"--{name}", dest=name, metavar=metavar, help=words, **how)
 
 
 def parser_of(
@@ -228,7 +227,7 @@ def parser_of(
     parser = Parser(prog=program, description=scenario.question, allow_abbrev=False)
     left_out = {*scenario.options}
     if "hub_speed" not in scenario.keys():  # noqa: SIM118
-        left_out |= {"parameters", "write_tool"}
+        left_out |= {"parameters", "write-tool"}
     if scenario.film is None:
         left_out |= {"video", "size", "fps"}
     if scenario.series is None and not sweeping:

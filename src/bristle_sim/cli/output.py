@@ -51,7 +51,8 @@ def progress(program: str) -> Iterator[None]:
         return
     log = logging.getLogger("bristle_sim")
     ended = threading.Event()
-    shown = _Progress(program)
+    shown = _Progress(logging.INFO)
+    shown.program = program
     reminder = threading.Thread(target=shown.remind, args=(ended,), daemon=True)
     level = log.level
     log.addHandler(shown)
@@ -72,10 +73,8 @@ class _Progress(logging.Handler):
     It prints a warning at once.
     """
 
-    def __init__(self, program: str) -> None:
-        super().__init__(logging.INFO)
-        self.program = program
-        self.last = "computing"
+    program = ""
+    last = "computing"
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keep a report on the progress; print a warning."""
@@ -158,10 +157,10 @@ def _try_again(number: int) -> None:
     threading.Timer(LATER, _thread.interrupt_main, (number,)).start()
 
 
-def document(name: str, values: Mapping[str, Any], report: Report, *, finished: bool = True) -> str:
+def document(name: str, values: Mapping[str, Any], report: Report, **further: Any) -> str:
     """Return the results of a scenario as JSON, in SI units at full precision.
 
-    ``finished`` is false for an interrupted run, which the JSON then states.
+    ``further`` are entries besides those of the report.
     """
     found = {
         "outcome": report.outcome,
@@ -169,11 +168,8 @@ def document(name: str, values: Mapping[str, Any], report: Report, *, finished: 
         "phases": list(report.phases),
         "events": [{"name": event, "time": at} for event, at in report.events if math.isfinite(at)],
         "cost": {"wall_s": report.wall_s, "steps": report.steps},
-        **report.extra,
     }
-    return json_of(
-        name, report.answer, values, **found, **({} if finished else {"finished": False})
-    )
+    return json_of(name, report.answer, values, **found | report.extra | further)
 
 
 def json_of(name: str, answer: str, values: Mapping[str, Any], **results: Any) -> str:
@@ -200,11 +196,6 @@ def plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # NumPy's scalars and arrays
         return plain(value.tolist())
     return finite(value) if isinstance(value, float) else value
-
-
-def format_value(value: Any) -> str:
-    """Return a parameter's value as text with six digits, for a table."""
-    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:

@@ -192,11 +192,10 @@ class Scenario:
                 idle.append(f"{path}: {key} = {text} has no effect on {self.name}")
         return assignments, idle
 
-    def report(self, values: Values) -> Report:
-        """Return the report of a run with the given parameter values."""
+    def built(self, values: Values) -> dict[str, Any]:
+        """Return the arguments of ``run``, built from the given parameter values."""
         kinds = get_type_hints(self.run).items()
-        given = {name: build_parameters(kind, values) for name, kind in kinds if name != "return"}
-        return self.run(**given)
+        return {name: build_parameters(kind, values) for name, kind in kinds if name != "return"}
 
     def key_list(self) -> str:
         """Return the text that describes every parameter, 100 columns wide.

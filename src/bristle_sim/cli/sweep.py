@@ -132,7 +132,7 @@ def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) 
     Raises:
         ValueError: for a refused value.
     """
-    report = scenario.report(scenario.values_of(assignments, keys))
+    report = scenario.run(**scenario.built(scenario.values_of(assignments, keys)))
     others = tuple(each for each in report.quantities if each.name not in keys)
     return dataclasses.replace(report, quantities=others)
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.cli.main import draw
+from bristle_sim.cli.command import draw
 from bristle_sim.cli.output import csv_text, document, write_text
 from bristle_sim.cli.scenario import Scenario, Values, build_parameters
 from bristle_sim.comparison import cells
@@ -124,7 +124,7 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         typed: assignments that the user has typed; they override ``start``.
     """
     values = pass_of.values_of([*start, *typed])
-    report = pass_of.report(values)
+    report = pass_of.run(**pass_of.built(values))
     run = report.subject.trajectory
     tool = report.subject.tool
     before = pass_of.values_of(start)
@@ -266,7 +266,7 @@ def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[s
 
 def _write(pass_of: Scenario, path: Path, values: Values, assignments: Sequence[str]) -> None:
     """Simulate a pass and write its results to a file of the kind that its suffix names."""
-    report = pass_of.report(values)
+    report = pass_of.run(**pass_of.built(values))
     if path.suffix == ".json":
         write_text(path, document(pass_of.name, values, report))
     elif path.suffix == ".csv":
