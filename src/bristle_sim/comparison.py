@@ -52,19 +52,14 @@ class Quantity:
             object.__setattr__(self, "label", self.name.removesuffix("_deg").replace("_", " "))
 
     @property
-    def judge_name(self) -> str | None:
-        """Source of the value with which the simulated value is compared.
+    def judge(self) -> tuple[str, float] | None:
+        """Source and value with which the simulated value is compared; None if no source has a
+        value.
 
         It is the first source that has a value: ``reference``, then ``theory``, then ``printed``.
-        It is None if no source has a value.
         """
-        known = (name for name in JUDGES if getattr(self, name) is not None)
-        return next(known, None)
-
-    @property
-    def judge(self) -> float | None:
-        """Value with which the simulated value is compared; None if there is no such value."""
-        return getattr(self, self.judge_name) if self.judge_name else None
+        known = ((name, getattr(self, name)) for name in JUDGES)
+        return next((each for each in known if each[1] is not None), None)
 
     @property
     def relative_difference(self) -> float | None:
@@ -73,9 +68,9 @@ class Quantity:
         It is None if either value is missing or the compared value is 0.
         """
         judge = self.judge
-        return (
-            (self.simulated - judge) / abs(judge) if self.simulated is not None and judge else None
-        )
+        if self.simulated is None or judge is None or not judge[1]:
+            return None
+        return (self.simulated - judge[1]) / abs(judge[1])
 
     @property
     def ok(self) -> bool | None:
@@ -86,7 +81,8 @@ class Quantity:
         """
         if self.tolerance is None:
             return None
-        difference = self.relative_difference if self.judge else self.simulated
+        relative = self.relative_difference
+        difference = self.simulated if relative is None else relative
         return difference is not None and bool(abs(difference) <= self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
@@ -261,13 +257,10 @@ def cells(
             "-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values
         ]
         difference = relative_text(each.relative_difference, "+")
-        if each.judge_name and difference != "-":
-            difference += f" {each.judge_name.removesuffix('ed')}"
-        tail = (
-            difference,
-            relative_text(each.tolerance),
-            {True: "yes", False: "NO", None: "-"}[each.ok],
-        )
+        if each.judge and difference != "-":
+            difference += f" {each.judge[0].removesuffix('ed')}"
+        ok = {True: "yes", False: "NO", None: "-"}[each.ok]
+        tail = (difference, relative_text(each.tolerance), ok)
         lines.append([each.label, "-" if unit == "1" else unit, *numbers, *tail])
     columns = list(zip(*lines, strict=True))
     kept = [

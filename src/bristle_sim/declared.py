@@ -47,6 +47,7 @@ class Declaration:
         optional: whether the value may be None.
         needs: condition on another key without which this key has no effect, such as ``contact =
             compliant``.
+        listed: whether the command line has the key.
     """
 
     key: str
@@ -57,6 +58,7 @@ class Declaration:
     meaning: str = ""
     optional: bool = False
     needs: str = ""
+    listed: bool = True
 
     @property
     def allowed(self) -> str:
@@ -84,10 +86,6 @@ class Declaration:
         absent = given is None or (isinstance(given, str) and given.strip() == "none")
         return None if absent and self.optional else self.parse(given)
 
-    def parse(self, text: Any) -> Any:
-        """Return the value of a typed text; see ``check``."""
-        return self.check(text)
-
     def check(self, value: Any) -> Any:
         """Return a value after a check that it is a text that meets the requirement.
 
@@ -100,6 +98,8 @@ class Declaration:
                 if self.unit != "file" or Path(value).is_file():
                     return str(value)
         raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
+
+    parse = check
 
     def unusual(self, _value: Any, _given: Any) -> str:
         """Return a warning that a value is unusual; empty for a usual value, and for every text."""
@@ -124,8 +124,12 @@ class Choice(Declaration):
             ValueError: for any other value; the message names key, value and permitted words.
         """
         if not isinstance(value, str) or value not in self.options:
-            raise ValueError(f"{self.key} = {shown(value)}: must be one of {self.allowed}")
+            advice = likely_key(shown(value), self.options, "")
+            hint = f"; {advice}" if advice else ""
+            raise ValueError(f"{self.key} = {shown(value)}: must be one of {self.allowed}{hint}")
         return str(value)
+
+    parse = check
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ def quantity(default: float | None, rule: str, **further: Any) -> Any:
     Args:
         default: default value; None makes the parameter optional.
         rule: range, unit, meaning and source, in the form of :data:`RULE`.
-        further: ``usual``, ``needs`` and ``whole`` of its :class:`Range`.
+        further: ``usual``, ``needs``, ``whole`` and ``listed`` of its :class:`Range`.
     """
     found = RULE.fullmatch(rule)
     assert found is not None, rule

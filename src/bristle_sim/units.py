@@ -173,7 +173,7 @@ def shown(value: Any) -> str:
     return line if len(line) <= LONGEST_SHOWN else f"{line[:LONGEST_SHOWN]}..."
 
 
-def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
+def likely_key(key: str, keys: Iterable[str], otherwise: str | None = None) -> str:
     """Return advice on a misspelt key, for messages.
 
     Args:
@@ -184,8 +184,6 @@ def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
     known = sorted(keys)
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
     likely = likely or [each for each in known if each.endswith(f"_{key}")]
-    return (
-        f"did you mean {likely[0]}?"
-        if likely
-        else otherwise or f"must be one of {', '.join(known)}"
-    )
+    if likely:
+        return f"did you mean {likely[0]}?"
+    return f"must be one of {', '.join(known)}" if otherwise is None else otherwise

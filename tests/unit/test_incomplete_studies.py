@@ -114,7 +114,6 @@ REFUSALS = [
     ),
     (partial(whole_tool, FLEXIBLE, Assembly(), Settings()), "^wire_links = 2: must be 1"),
     (lambda: UNBARRED.bar_reach, "^bar = None: must be a Bar where its reach"),
-    (lambda: UNBARRED.bar_clearance, "^bar = None: must be a Bar where its clearance"),
     (
         lambda: Tool(workpart=None).workpart_depth,
         "^workpart = None: must be a Workpart where its depth",

@@ -214,4 +214,4 @@ def test_the_reference_judges_the_last_bristle_of_a_row():
     )
     judged = [each for each in found.quantities if each.tolerance is not None]
     assert {each.name for each in judged} >= {"wire_contacts", "normal_final_impulse"}
-    assert all(each.judge_name == "reference" and each.ok for each in judged)
+    assert all(each.judge and each.judge[0] == "reference" and each.ok for each in judged)

@@ -87,8 +87,8 @@ def test_mass_and_shape_of_a_wire(knee: float):
         0.02 * np.mean(abs(points - centre) ** 2), rel=1e-9
     )
     assert bristle.inertia_about_root == pytest.approx(0.02 * np.mean(abs(points) ** 2), rel=1e-9)
-    assert complex(*bristle.tip) == pytest.approx(points[-1], abs=0.3 / 1e5)
-    assert np.sign(bristle.tip[0]) == np.sign(knee)
+    assert complex(*bristle.path[-1]) == pytest.approx(points[-1], abs=0.3 / 1e5)
+    assert np.sign(bristle.path[-1][0]) == np.sign(knee)
     tool = Tool(bristle=bristle)
     assert tool.workpart_depth == pytest.approx(abs(points[-1] - 0.0275j) - 0.0045, abs=0.3 / 1e5)
 

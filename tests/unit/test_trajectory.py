@@ -148,7 +148,7 @@ def test_an_unknown_name_is_refused_with_the_likely_one(
 ):
     call = trajectory.first_contact if likely == "workpart" else trajectory.event_time
     with pytest.raises(
-        ValueError, match=rf"^\w+ = '{name}': must be one of [^\n]*; did you mean '{likely}'\?$"
+        ValueError, match=rf"^\w+ = '{name}': must be one of [^\n]*; did you mean {likely}\?$"
     ):
         call(name)
 

@@ -37,7 +37,7 @@ def test_links_make_the_whole_bristle(links: int, position: float, angle: float)
     assert inertia * SIZE.mass * SIZE.length**2 == pytest.approx(
         bristle.inertia_about_root, rel=1e-12
     )
-    tip = complex(*bristle.tip) / SIZE.length
+    tip = complex(*bristle.path[-1]) / SIZE.length
     assert poses[-1].corners[-1] == pytest.approx(tip, abs=1e-12)
     for link in cut:
         length = sum(abs(b - a) for a, b in itertools.pairwise(link.corners))

@@ -34,7 +34,7 @@ def radial(bristle: Bristle, surface: Surface, hub_angle: float, angles: list[fl
     tip = Links(Tool(bristle=bristle, bar=None), hub_angle).centre_line(
         0.0, np.array(angles), np.zeros(len(angles))
     )
-    x, y = bristle.tip
+    x, y = bristle.path[-1]
     reach = math.hypot(x, Hub().radius - y)
     part = Workpart(
         surface.friction,

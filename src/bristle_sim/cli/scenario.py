@@ -89,8 +89,9 @@ class Scenario:
         this scenario, and its source.
         """
         found = {each.key: each for part in self.parts for each in declarations(part).values()}
-        for key in self.without:
-            found.pop(key, None)
+        found = {
+            key: each for key, each in found.items() if each.listed and key not in self.without
+        }
         for key, (default, source) in self.defaults.items():
             found[key] = dataclasses.replace(found[key], source=source, default=default)
         for key, (limit, reason) in self.highest.items():

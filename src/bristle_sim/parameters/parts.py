@@ -170,11 +170,6 @@ class Bristle(Declared):
         return ((0.0, -shank), (rest * math.sin(bend), -shank - rest * math.cos(bend)))
 
     @property
-    def tip(self) -> Vector:
-        """Tip of the wire (m) in the axes of ``path``: root at the origin, shank along (0, -1)."""
-        return self.path[-1]
-
-    @property
     def centre(self) -> Vector:
         """Centre of mass (m) in the axes of ``path``: root at the origin, shank along (0, -1)."""
         if self.knee_angle_deg == 0.0:

@@ -66,8 +66,10 @@ class Tool(Declared):
                 f"penetration = {self.workpart.penetration:g}: must be less than the bristle's reach beyond the hub's rim ="
                 f" {reach:g}, or the rim would touch the workpart (in m)"
             )
-        if self.bar is not None and self.bar_clearance <= self.hub.radius:
-            beside = self.bar_clearance
+        beside = math.inf
+        if self.bar is not None:
+            beside = math.hypot(*self.bar.centre) - self.bar_reach
+        if self.bar is not None and beside <= self.hub.radius:
             if beside + self.bar.radius <= self.hub.radius:  # no bar is thin enough
                 raise ValueError(
                     f"hub_radius = {self.hub.radius:g}: must be less than the bar centre's distance minus bar_radius and half"
@@ -75,7 +77,7 @@ class Tool(Declared):
                 )
             raise ValueError(
                 f"bar_radius = {self.bar.radius:g}: must be less than the bar centre's distance minus hub_radius and half"
-                f" of wire_diameter = {self.bar_clearance + self.bar.radius - self.hub.radius:g}, or the bar"
+                f" of wire_diameter = {beside + self.bar.radius - self.hub.radius:g}, or the bar"
                 " would stand in the root circle (in m)"
             )
 
@@ -147,17 +149,7 @@ class Tool(Declared):
         """Hub angle at the start of a pass, rad.
 
         By default it is -pi/2 if the wire has not yet reached the bar there. Otherwise the start is
-        5 deg before the angle at which the wire meets the bar.
-        """
-        if self.start_hub_angle_deg is not None:
-            return math.radians(self.start_hub_angle_deg)
-        meeting = self.bar_meeting_angle
-        return START if meeting is None or meeting >= START else meeting - CLEAR_OF_BAR
-
-    @property
-    def bar_meeting_angle(self) -> float | None:
-        """Hub angle at which the undeflected wire first touches the bar, rad; None if the wire
-        passes between hub and bar.
+        5 deg before the angle at which the undeflected wire first touches the bar.
 
         In complex numbers from the hub's centre, with the root's direction as real axis, the bar's
         centre is S e^{i phi}; phi decreases while the hub turns. With the bar's radius r_b and the
@@ -166,8 +158,10 @@ class Tool(Declared):
         touches a corner of the wire at rho e^{i theta} where S^2 + rho^2 - 2 S rho cos(phi - theta)
         = (r_b + d/2)^2. The touch with the largest phi comes first.
         """
+        if self.start_hub_angle_deg is not None:
+            return math.radians(self.start_hub_angle_deg)
         if self.bar is None:
-            return None
+            return START
         corners = [complex(self.hub.radius - y, x) for x, y in ((0.0, 0.0), *self.bristle.path)]
         distance = math.hypot(*self.bar.centre)
         touches = list[float]()
@@ -180,9 +174,10 @@ class Tool(Declared):
             cosine = (distance**2 + abs(end) ** 2 - self.bar_reach**2) / (2.0 * distance * abs(end))
             if cosine <= 1.0:
                 touches.append(cmath.phase(end) + math.acos(cosine))
-        return (
-            -math.atan2(self.bar.horizontal, self.bar.vertical) - max(touches) if touches else None
+        meeting = -math.atan2(self.bar.horizontal, self.bar.vertical) - max(
+            touches, default=-math.inf
         )
+        return START if meeting >= START else meeting - CLEAR_OF_BAR
 
     @property
     def workpart_depth(self) -> float:
@@ -193,7 +188,7 @@ class Tool(Declared):
         """
         if self.workpart is None:
             raise ValueError("workpart = None: must be a Workpart where its depth is requested")
-        x, y = self.bristle.tip
+        x, y = self.bristle.path[-1]
         return math.hypot(x, self.hub.radius - y) - self.workpart.penetration
 
     @property
@@ -205,17 +200,6 @@ class Tool(Declared):
         if self.bar is None:
             raise ValueError("bar = None: must be a Bar where its reach is requested")
         return self.bar.radius + self.bristle.wire_diameter / 2.0
-
-    @property
-    def bar_clearance(self) -> float:
-        """Largest distance from the hub's centre at which a wire passes between hub and bar, m.
-
-        It is the distance of the bar's centre from the hub's centre, minus the bar's radius, minus
-        half the wire's diameter.
-        """
-        if self.bar is None:
-            raise ValueError("bar = None: must be a Bar where its clearance is requested")
-        return math.hypot(self.bar.horizontal, self.bar.vertical) - self.bar_reach
 
     @property
     def belt_damping(self) -> float:

@@ -23,7 +23,7 @@ from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.state import State
 from bristle_sim.reference.system import System
-from bristle_sim.settings import EVENTS, StopReason, checked_name
+from bristle_sim.settings import STOP_AFTER, StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
 
 METHOD = "scipy DOP853"  # name of the method in a trajectory's parameters
@@ -54,7 +54,7 @@ class Request(Declared):
     def __post_init__(self) -> None:
         Declared.__post_init__(self)
         if self.stop_after is not None:
-            checked_name("stop_after", self.stop_after, EVENTS)
+            STOP_AFTER.check(self.stop_after)
 
 
 def simulate_reference(

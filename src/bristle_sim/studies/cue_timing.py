@@ -31,7 +31,7 @@ from bristle_sim.parameters import (
     Tool,
 )
 from bristle_sim.readable import amount
-from bristle_sim.scene.simulate import simulate
+from bristle_sim.scene.simulate import samples_per_period, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_measures import beside_radial
 from bristle_sim.studies.strike_point import full_pass
@@ -228,7 +228,7 @@ def _timed(
     turning = dataclasses.replace(
         settings,
         hub_turn=FULL_TURNS * 2.0 * math.pi,
-        samples_per_period=math.ceil(settings.samples * denser),
+        samples_per_period=math.ceil(samples_per_period(settings) * denser),
     )
     run = simulate(bare, turning, **start)
     require_result(run, settings)

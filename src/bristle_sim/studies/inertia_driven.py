@@ -205,7 +205,7 @@ def _theory(tool: Tool, strike_speed: float | None) -> Values:
     if tool.belt_damping:
         return {}
     # When the bristle is radial again, it turns at twice the pulley's speed about its root.
-    reach = abs(tool.hub.radius + 2j * complex(*tool.bristle.tip))
+    reach = abs(tool.hub.radius + 2j * complex(*tool.bristle.path[-1]))
     speed = tool.hub.speed
     drive = (
         tool.bristle.inertia_about_root,

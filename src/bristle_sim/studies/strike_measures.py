@@ -52,7 +52,7 @@ def state_at_strike(
             each[before, [0, -1]] @ [1.0, 1j]
             for each in (run.centre_line, run.centre_line_velocity)
         )
-        lag = float(np.angle(root * complex(*tool.bristle.tip) * 1j / (tip - root)))
+        lag = float(np.angle(root * complex(*tool.bristle.path[-1]) * 1j / (tip - root)))
         rate = float(((tip_velocity - root_velocity) / (tip - root)).imag)
     speed = math.hypot(*contact.velocity_before)
     if contact.point == "knee":

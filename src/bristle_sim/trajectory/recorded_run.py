@@ -10,8 +10,9 @@ from typing import Any, Self
 import numpy as np
 
 from bristle_sim.arrays import Array
+from bristle_sim.declared import Choice
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
+from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLE, StopReason
 from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion
 
 # ratio of error estimate to requested accuracy above which the run reports the excess
@@ -62,7 +63,7 @@ class RecordedRun(Motion):
             ValueError: if no event can have this name.
         """
         recorded = [event.name for event in self.events]
-        name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
+        Choice("name", options=(*EVENTS, *ABSENCES, *recorded)).check(name)
         times = [event.time for event in self.events if event.name == name and event.time <= before]
         return (times[-1] if last else times[0]) if times else None
 
@@ -127,7 +128,7 @@ class RecordedRun(Motion):
         Raises:
             ValueError: for any other obstacle.
         """
-        checked_name("obstacle", obstacle, OBSTACLES)
+        OBSTACLE.check(obstacle)
         for each in self.contacts:
             if each.obstacle == obstacle:
                 return each
