@@ -9,16 +9,14 @@ function. If 17 samples do not resolve the function (a kink, a jump), the interv
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from operator import itemgetter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.events import Event, Follow, Value
+from bristle_sim.reference.events import Event, Follow
 from bristle_sim.reference.state import State
 from bristle_sim.reference.system import System
 
@@ -29,6 +27,9 @@ NODES = chebyshev.chebpts1(DEGREE + 1)
 WEIGHTS = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE))
 # Largest number of intervals: fifty halvings confine a kink or a jump to rounding error.
 MOST_PIECES = 100
+# Mean of the function over the sum of the other coefficients of its series from which it has one sign.
+# The series of a function with a kink is off by less than this sum.
+FAR = 2.0
 # Size of the last coefficients of a series, as a fraction of the function's size, below which they
 # are rounding error.
 SERIES_ROUNDING = 1e-13
@@ -69,11 +70,9 @@ def crossings(
         series = WEIGHTS @ values
         sizes = np.abs(series)
         size = np.abs(values).max()
-        constant = sizes[0] > sizes[1:].sum()
-        resolved = sizes[-3:].max() <= max(resolution, SERIES_ROUNDING * size)
-        if len(pieces) == 1 and (
-            size <= resolution or (resolved and constant and series[0] * before >= 0.0)
-        ):
+        constant = sizes[0] > FAR * sizes[1:].sum()
+        resolved = constant or sizes[-3:].max() <= max(resolution, SERIES_ROUNDING * size)
+        if len(pieces) == 1 and (size <= resolution or (constant and series[0] * before >= 0.0)):
             return []
         middle = 0.5 * (left + right)
         if not resolved and len(pieces) < MOST_PIECES:
@@ -109,51 +108,37 @@ def crossings(
     return found
 
 
-class Step(NamedTuple):
-    """A step of the integrator.
-
-    Attributes:
-        system: the links and their contacts.
-        motion: function that returns the states at given times.
-        start, end: start and end of the step, s.
-    """
-
-    system: System
-    motion: Callable[[Array], list[State]]
-    start: float
-    end: float
-
-    def along(self, value: Value, times: Array) -> Array:
-        """Return a function of the state at given times."""
-        return np.array([value(self.system.at(each)) for each in self.motion(times)])
-
-
-def first_event(events: list[Event], step: Step) -> tuple[float, Follow | None]:
+def first_event(
+    events: list[Event],
+    system: System,
+    motion: Callable[[Array], list[State]],
+    start: float,
+    end: float,
+) -> tuple[float, Follow | None]:
     """Return the first event in a step of the integrator.
 
-    An event function that begins within rounding error of zero counts as being before its event. A
-    gap cannot close faster than the points of the links can move, so gaps that are too large for
-    the step are left out.
+    An event function that begins within rounding error of zero counts as being before its event.
+
+    Args:
+        events: the possible events.
+        system: the links and their contacts.
+        motion: function that returns the states at given times.
+        start: start of the step, s.
+        end: end of the step, s.
 
     Returns:
         The time of the event (s) and the function that applies its consequence. Without an event
         they are the end of the step and None.
     """
-    chain = step.system.chain
-    instants = [step.system.at(each) for each in step.motion(nodes(step.start, step.end))]
-    last = instants[-1]
-    speed = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(last.state.rates))
-    reach = 2.0 * speed * (step.end - step.start)
-    found: list[tuple[float, Follow | None]] = [(step.end, None)]
+    instants = [system.at(each) for each in motion(nodes(start, end))]
+    found: list[tuple[float, Follow | None]] = [(end, None)]
     for event in events:
-        if event.place is not None:
-            name, piece = event.place
-            if last.gaps(name)[piece] >= reach:
-                continue
         changes = crossings(
-            partial(step.along, event.value),
-            step.start,
-            step.end,
+            lambda times, event=event: np.array(
+                [event.value(system.at(each)) for each in motion(times)]
+            ),
+            start,
+            end,
             event.resolution,
             0 if event.extreme else -event.direction,
             np.array([event.value(at) for at in instants]),

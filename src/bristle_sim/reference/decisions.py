@@ -228,18 +228,6 @@ def end_compliant_contact(system: System, each: Compliant, state: State) -> Stat
     return state
 
 
-def leave_dent(system: System, piece: int, state: State) -> State:
-    """Note that a corner of a wire has risen to the undented surface."""
-    del system.dents[piece]
-    return state
-
-
-def move_contact(system: System, each: Sustained, point: Point, state: State) -> State:
-    """Move a contact with the bar from the flank of a wire to a corner, or back."""
-    each.point = point
-    return system.closed(state)
-
-
 def _impacts(system: System, state: State, points: Sequence[Point]) -> State:
     """Resolve the impacts at several points one by one, the fastest approach first.
 

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.crossing import Step, first_event
+from bristle_sim.reference.crossing import first_event
 from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Event, Follow, events_of
 from bristle_sim.reference.log import Finished
@@ -112,7 +112,7 @@ class Run:
             pairs = zip(times.tolist(), values(times).T, strict=True)
             return [system.closed(self._state(*each)) for each in pairs]
 
-        until, follow = first_event(events, Step(system, motion, start, end))
+        until, follow = first_event(events, system, motion, start, end)
         *between, self.state = motion(np.array([*system.log.times(start, until), until]))
         for each in between:
             self._sample(each)
