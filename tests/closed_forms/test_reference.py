@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp, trapezoid
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.reference.crossing import crossings
 from bristle_sim.settings import StopReason
@@ -350,10 +350,8 @@ class TestSprings:
         part = Workpart(
             friction=0.55, restitution_friction=0.5, restitution=0.6, penetration=0.0034
         )
-        tool = Tool(bar=None, workpart=part)
-        run = simulate_reference(
-            tool, contact_stiffness=1e5, hub_turn=1.3, accuracy=1e-9, sample_interval=2e-6
-        )
+        tool = Tool(bar=None, workpart=part, contact=Contact("compliant", 1e-4))
+        run = simulate_reference(tool, hub_turn=1.3, accuracy=1e-9, sample_interval=2e-6)
         assert run.stop_reason is StopReason.END
         still = (run.time > 0.0) & (np.abs(run.tip_velocity[:, 0]) < 1e-6)
         assert still.sum() > 5

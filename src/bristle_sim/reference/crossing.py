@@ -9,6 +9,7 @@ function. If 17 samples do not resolve the function (a kink, a jump), the interv
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from operator import itemgetter
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.events import Event, Follow
+from bristle_sim.reference.events import Event, Follow, Value
 from bristle_sim.reference.state import State
 from bristle_sim.reference.system import System
 
@@ -130,13 +131,15 @@ def first_event(
         The time of the event (s) and the function that applies its consequence. Without an event
         they are the end of the step and None.
     """
+
+    def along(value: Value, times: Array) -> Array:
+        return np.array([value(system.at(each)) for each in motion(times)])
+
     instants = [system.at(each) for each in motion(nodes(start, end))]
     found: list[tuple[float, Follow | None]] = [(end, None)]
     for event in events:
         changes = crossings(
-            lambda times, event=event: np.array(
-                [event.value(system.at(each)) for each in motion(times)]
-            ),
+            partial(along, event.value),
             start,
             end,
             event.resolution,

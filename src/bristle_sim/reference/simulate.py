@@ -16,7 +16,7 @@ from bristle_sim.declared import Declared
 from bristle_sim.fields import ANY, quantity
 from bristle_sim.parameters import START, Surface, Tool
 from bristle_sim.parameters.tool import checked_tool
-from bristle_sim.reference.contacts import Obstacles, Point, WirePairs, obstacles_of
+from bristle_sim.reference.contacts import Point, WirePairs, obstacles_of
 from bristle_sim.reference.decisions import close_contact
 from bristle_sim.reference.log import Log
 from bristle_sim.reference.mechanics import Chain
@@ -30,25 +30,25 @@ METHOD = "scipy DOP853"  # name of the method in a trajectory's parameters
 PERIODS_AT_REST = 3.0  # duration of a run on a resting hub, in natural periods of the bristle
 SAMPLES_PER_PERIOD = 64
 MOST_SAMPLES = 2e6
+OVERLAP_ROUNDING = 1e-12  # rounding error of a gap, over hub radius plus length
 FINEST = 1e-13  # smallest relative tolerance of the integrator: 500 rounding errors of a float
 SAMPLES_OF_STRIKE = 200  # number of samples in the longest permitted duration of a contact
 MOST_RADIANS = 1e5  # longest duration of a run, times the fastest rate, rad
 
-requested = functools.partial(quantity, usual=ANY)
+declared = functools.partial(quantity, usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)
 class Request(Declared):
     """The arguments of a run, checked against their ranges."""
 
-    start_hub_angle: float = requested(START, "-1e6 <= start_hub_angle <= 1e6 rad")
-    start_relative_angle: float = requested(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")
-    start_relative_rate: float = requested(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s")
-    hub_turn: float = requested(1.0, "0 < hub_turn <= 1e6 rad")
-    duration: float | None = requested(None, "0 < duration <= 1e9 s")
-    accuracy: float = requested(1e-10, "1e-12 <= accuracy <= 0.1")
-    sample_interval: float | None = requested(None, "0 < sample_interval <= 1e9 s")
-    contact_stiffness: float | None = requested(None, "0 < contact_stiffness <= 1e20 N/m")
+    start_hub_angle: float = declared(START, "-1e6 <= start_hub_angle <= 1e6 rad")
+    start_relative_angle: float = declared(0.0, "-1.57 <= start_relative_angle <= 1.57 rad")
+    start_relative_rate: float = declared(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s")
+    hub_turn: float = declared(1.0, "0 < hub_turn <= 1e6 rad")
+    duration: float | None = declared(None, "0 < duration <= 1e9 s")
+    accuracy: float = declared(1e-10, "1e-12 <= accuracy <= 0.1")
+    sample_interval: float | None = declared(None, "0 < sample_interval <= 1e9 s")
     stop_after: str | None = None
 
     def __post_init__(self) -> None:
@@ -68,7 +68,6 @@ def simulate_reference(
     accuracy: float = 1e-10,
     stop_after: str | None = None,
     sample_interval: float | None = None,
-    contact_stiffness: float | None = None,
 ) -> Trajectory:
     """Simulate a pass with SciPy's integrator, independently of the engine.
 
@@ -98,9 +97,6 @@ def simulate_reference(
             just after the impact, or at the end of a contact that is resolved in time.
         sample_interval: time between samples, s; by default 1/64 of a natural period or of a hub
             turn, whichever is shorter.
-        contact_stiffness: stiffness of the contact with the workpart (N/m), a spring with energetic
-            restitution. By default it follows from the duration of the first contact in the tool's
-            contact law; without a duration the contact is rigid.
 
     Returns:
         The trajectory. Its ``cost.steps`` is the number of evaluations of the equations of motion.
@@ -111,11 +107,20 @@ def simulate_reference(
     """
     tool = checked_tool(tool)
     angle = tool.start_hub_angle if start_hub_angle is None else start_hub_angle
-    start = (angle, start_relative_angle, start_relative_rate)
-    request = Request(
-        *start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after
+    (run,) = simulate_row_reference(
+        tool,
+        bristles=1,
+        pitch=0.0,
+        hub_turn=hub_turn,
+        start_hub_angle=angle,
+        start_relative_angle=start_relative_angle,
+        start_relative_rate=start_relative_rate,
+        duration=duration,
+        accuracy=accuracy,
+        stop_after=stop_after,
+        sample_interval=sample_interval,
     )
-    return _simulate(tool, request, [request.start_hub_angle])[0]
+    return run
 
 
 def simulate_row_reference(
@@ -150,42 +155,20 @@ def simulate_row_reference(
         One trajectory for each bristle, the foremost first, with common sample times. A touch of
         two wires is the event ``wire touch`` of both.
     """
-    start = {"start_hub_angle": tool.start_hub_angle}
-    request = Request(hub_turn=hub_turn + (bristles - 1) * pitch, **(start | requested))
-    starts = [request.start_hub_angle - number * pitch for number in range(bristles)]
-    surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
-    return _simulate(
-        tool, request, starts, WirePairs(bristles, tool.bristle.wire_diameter, surface)
-    )
-
-
-def _simulate(
-    tool: Tool,
-    request: Request,
-    start_hub_angles: Sequence[float],
-    wires: WirePairs | None = None,
-) -> tuple[Trajectory, ...]:
-    """Simulate one wire, or several wires that touch each other.
-
-    ``start_hub_angles`` holds the hub angle of each wire at the start, rad. ``wires`` are the pairs
-    of wires that can touch.
-
-    Returns:
-        A trajectory for each wire.
-    """
     wall = clock.perf_counter()
     cpu = clock.process_time()
+    given = {"start_hub_angle": tool.start_hub_angle} | requested
+    request = Request(hub_turn=hub_turn, **given)
+    starts = [request.start_hub_angle - number * pitch for number in range(bristles)]
+    surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
+    wires = WirePairs(bristles, tool.bristle.wire_diameter, surface)
     fixed = obstacles_of(tool)
-    pairs = wires.pairs if wires else []
-    obstacles: Obstacles = {**fixed, "wire": wires} if wires and pairs else fixed
-    chain = Chain(tool, *start_hub_angles)
+    chain = Chain(tool, *starts)
     rates = np.full(chain.links, chain.speed + request.start_relative_rate)
     start = State(0.0, chain.start_hub_angles + request.start_relative_angle, rates)
-    chains = [Chain(tool, each) for each in start_hub_angles]
-    end, interval = _span(tool, request)
-    log = Log(chains, interval, request.stop_after, pairs)
-    duration = tool.contact.duration if request.contact_stiffness is None else None
-    system = System(chain, obstacles, log, request.contact_stiffness, duration)
+    end, interval = _span(tool, request, (bristles - 1) * pitch)
+    log = Log([Chain(tool, each) for each in starts], interval, request.stop_after, wires.pairs)
+    system = System(chain, {**fixed, "wire": wires}, log, duration=tool.contact.duration)
     _check_start(system, start)
     run = Run(system, start, end, max(request.accuracy / 100.0, FINEST))
     reason = run.run()
@@ -206,7 +189,7 @@ def _check_start(system: System, start: State) -> None:
     """Raise ValueError if a wire starts inside the bar or the workpart."""
     for name in system.obstacles:
         gaps = system.at(start).gaps(name)
-        if name != "wire" and gaps.min() < -1e-12 * system.size:
+        if name != "wire" and gaps.min() < -OVERLAP_ROUNDING * system.size:
             link = system.chain.pieces.links[gaps.argmin()]
             hub_angle = system.chain.start_hub_angles[link]
             raise ValueError(
@@ -215,8 +198,11 @@ def _check_start(system: System, start: State) -> None:
             )
 
 
-def _span(tool: Tool, request: Request) -> tuple[float, float]:
-    """Return the end of the run and the time between samples, s."""
+def _span(tool: Tool, request: Request, row: float) -> tuple[float, float]:
+    """Return the end of the run and the time between samples, s.
+
+    ``row`` is the angle between the roots of the first and the last bristle, rad.
+    """
     # Natural rate of the wire on its belt with rigid hinges, and c/I, twice the rate of its decay,
     # rad/s.
     bristle = tool.bristle
@@ -230,7 +216,7 @@ def _span(tool: Tool, request: Request) -> tuple[float, float]:
     period = 2.0 * math.pi / moving if moving else math.inf  # infinite if nothing moves the wire
     end = request.duration
     if end is None:
-        end = request.hub_turn / speed if speed else PERIODS_AT_REST * period
+        end = (request.hub_turn + row) / speed if speed else PERIODS_AT_REST * period
     if not math.isfinite(end):
         raise ValueError(
             "duration = None: must be a number, as hub, belt and gravity set no time scale (in s)"

@@ -45,7 +45,7 @@ class System:
         chain: Chain,
         obstacles: Obstacles,
         log: Log,
-        stiffness: float | None,
+        stiffness: float | None = None,
         duration: float | None = None,
     ) -> None:
         self.chain = chain
