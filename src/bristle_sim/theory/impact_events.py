@@ -1,9 +1,12 @@
 """The end of stick on two springs: the first event of two oscillators, for arrays of contacts.
 
 Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. Loading ends where
-v_n = 0, and unloading ends where N returns to its largest value. These three event functions f are
-each a constant plus two harmonics, so |f''| <= M and |f'''| <= M_3, with bounds from the amplitudes
-of the modes. Two parabolas bound f from below after a step h: f + f' h - M h^2/2, and up to h = r
+v_n = 0, and unloading ends where N returns to its largest value. These three event functions are
+each a constant plus two harmonics,
+
+    f(t) = c + sum_m [a_m cos(omega_m t) + b_m sin(omega_m t)/omega_m],
+
+so |f''| <= M and |f'''| <= M_3, with bounds from the amplitudes of the modes. Two parabolas bound f from below after a step h: f + f' h - M h^2/2, and up to h = r
 also f + f' h + (f'' - M_3 r/3) h^2/2. The larger of their roots is a step that passes no root of f.
 Such steps converge on the first root faster than Newton's method, and pass a near miss.
 
@@ -83,41 +86,33 @@ class Modes(NamedTuple):
 
     The modes are the fast and the slow oscillator; each has a velocity w and a force G. The event
     functions are zero at the two edges of the friction cone and at the end of loading or unloading.
-    Each is a constant plus ``parts`` times the G of the modes; at the end of loading it is
-    ``parts`` times their w.
 
     Attributes:
-        speeds: velocities w of the modes at the beginning of the phase.
-        forces: forces G of the modes at the beginning of the phase.
-        squares: squared natural rates of the modes.
-        rates: natural rates of the modes, never zero.
-        parts: coefficients of the modes in the event functions.
-        terms: bounds of the terms whose sums are the coefficients of the two edges.
-        constant: constant of the third event function.
-        line_noise: rounding error of the third event function.
-        loading: whether the contact loads.
-        close: value of an event function below which its rounding error matters.
-        bend: bound of the second derivative of each event function.
-        jerk: a third of the bound of the third derivative of each event function.
-        swing: bound of the fast mode's part of each event function.
-        slow_bend: bound of the second derivative of the slow mode's part of each event function.
-        drifts: 0 where the slow mode is at rest, otherwise 1.
+        speeds: velocities w of the modes at the beginning of the phase, shape (2, n).
+        forces: forces G of the modes at the beginning of the phase, shape (2, n).
+        squares: squared natural rates of the modes, shape (2, n).
+        rates: natural rates of the modes, never zero, shape (2, n).
+        cosines: factors a of the event functions, shape (2, 3, n).
+        sines: factors b of the event functions, shape (2, 3, n).
+        bends: bounds of the second derivatives of the event functions' parts, shape (2, 3, n).
+        terms: bounds of the terms whose sums are the coefficients of G in the two edges, (2, n).
+        constant: constant c of the third event function, shape (n,).
+        line_noise: rounding error of the third event function, shape (n,).
+        loading: whether the contact loads, shape (n,).
+        drifts: 0 where the slow mode is at rest, otherwise 1, shape (n,).
     """
 
     speeds: Number
     forces: Number
     squares: Number
     rates: Number
-    parts: Number
+    cosines: Number
+    sines: Number
+    bends: Number
     terms: Number
     constant: Number
     line_noise: Number
     loading: Number
-    close: Number
-    bend: Number
-    jerk: Number
-    swing: Number
-    slow_bend: Number
     drifts: Number
 
     def chosen(self, at: Number) -> Modes:
@@ -133,25 +128,25 @@ def both(pair: Number) -> Number:
     return pair[0] + pair[1]
 
 
-def oscillators(modes: Modes, time: Number, *, sums: bool = False) -> tuple[Number, ...]:
-    """Return velocities and forces of the two modes at times since the phase of stick began.
+def harmonics(modes: Modes, time: Number) -> tuple[Number, Number, Number]:
+    """Return cos(omega t), sin(omega t)/omega and tan(omega t/2)/omega of the two modes.
 
-    Natural rates of zero are permitted.
-
-    Returns:
-        The velocities w, the forces G, and with ``sums`` the time integrals of G.
+    A natural rate omega of zero is permitted.
     """
-    # Sine and cosine by the tangent of the half angle, at a tenth of their cost.
+    # By the tangent of the half angle, at a tenth of the cost of sine and cosine.
     half = np.tan(0.5 * modes.rates * time)
     scale = 1.0 / (1.0 + half * half)
-    cosines = (1.0 - half * half) * scale
-    ways = half / modes.rates
-    sines = 2.0 * ways * scale
-    speeds = modes.speeds * cosines + modes.squares * modes.forces * sines
-    forces = modes.forces * cosines - modes.speeds * sines
-    if not sums:
-        return speeds, forces
-    return speeds, forces, sines * (modes.forces - modes.speeds * ways)
+    tangent = half / modes.rates
+    return (1.0 - half * half) * scale, 2.0 * tangent * scale, tangent
+
+
+def oscillators(modes: Modes, cosine: Number, sine: Number) -> tuple[Number, Number]:
+    """Return the velocities w and the forces G of the two modes.
+
+    ``cosine`` and ``sine`` are the first two results of ``harmonics``.
+    """
+    speeds = modes.speeds * cosine + modes.squares * modes.forces * sine
+    return speeds, modes.forces * cosine - modes.speeds * sine
 
 
 def step_to_event(modes: Modes, settles: Number) -> tuple[Number, Number]:
@@ -166,21 +161,16 @@ def step_to_event(modes: Modes, settles: Number) -> tuple[Number, Number]:
     events = np.where(settles, SETTLED, NONE)
     going = np.flatnonzero(~settles)
     few = going.size // FEW
-    modes = modes if going.size == settles.size else modes.chosen(going)
-    time = np.zeros(going.size)
+    modes = modes.chosen(going)
     for _ in range(STEPS):
         if going.size <= few:
             break
-        step, event = _step(modes, time)
-        time = time + step
-        over = np.count_nonzero(event)
-        if FEW * over >= going.size or going.size - over <= few:
-            times[going], events[going] = time, event
-            left = np.flatnonzero(event == NONE)
-            going = going[left]
-            modes = modes.chosen(left)
-            time = time[left]
-    times[going] = time
+        step, event = _step(modes, times[going])
+        times[going] += step
+        events[going] = event
+        left = event == NONE
+        going = going[left]
+        modes = modes.chosen(np.flatnonzero(left))
     return times, events
 
 
@@ -189,151 +179,84 @@ def _step(modes: Modes, time: Number) -> tuple[Number, Number]:
 
     A contact that is at an event has a step of 0.
     """
-    speeds, forces = oscillators(modes, time)
-    loading = modes.loading
-    parts = modes.parts
-    squares = modes.squares
-    gains = squares * forces
-    value = np.empty_like(modes.bend)
-    slope = np.empty_like(modes.bend)
-    bend = np.empty_like(modes.bend)
-    value[:2] = parts[0, :2] * forces[0] + parts[1, :2] * forces[1]
-    slope[:2] = -(parts[0, :2] * speeds[0] + parts[1, :2] * speeds[1])
-    bend[:2] = -(parts[0, :2] * gains[0] + parts[1, :2] * gains[1])
-    # The line's function is one of G in unloading; in loading it is one of w, whose slope is lambda
-    # G.
-    across = np.where(loading, speeds, forces)
-    inclined = np.where(loading, gains, -speeds)
-    along = parts[:, 2]
-    value[2] = modes.constant + along[0] * across[0] + along[1] * across[1]
-    slope[2] = along[0] * inclined[0] + along[1] * inclined[1]
-    bend[2] = -(along[0] * squares[0] * across[0] + along[1] * squares[1] * across[1])
+    cosine, sine, _ = harmonics(modes, time)
+    squares = modes.squares[:, np.newaxis]
+    values = modes.cosines * cosine[:, np.newaxis] + modes.sines * sine[:, np.newaxis]
+    slopes = modes.sines * cosine[:, np.newaxis] - modes.cosines * (squares * sine[:, np.newaxis])
+    value = both(values)
+    value[2] += modes.constant
+    slope = both(slopes)
+    bend = -both(squares * values)
+    third = -both(squares * slopes)
+    bends = modes.bends
+    most = both(bends)
+    jerk = both(modes.rates[:, np.newaxis] * bends) / 3.0
+    rate = modes.rates[0]
 
     above = np.maximum(value, 0.0)
-    reach = REACH / modes.rates[0]
+    reach = REACH / rate
     tangents = np.minimum(np.where(slope < 0.0, TANGENT * above / -slope, INFINITE), reach)
-    steps = np.minimum(
-        _root(above, slope, np.minimum(modes.jerk * tangents - bend, modes.bend)), tangents
-    )
-    steps = np.fmax(steps, np.where(slope >= 0.0, CONVEX * bend / modes.jerk, 0.0))
-    slow = parts[1] * forces[1]
-    drift = modes.drifts * speeds[1]
-    slow_slope = -drift * parts[1]
-    slow[2] = modes.constant + along[1] * np.where(loading, drift, forces[1])
-    slow_slope[2] = along[1] * np.where(loading, gains[1], -drift)
-    clear = slow - GRAZE * modes.swing
-    longer = _root(np.maximum(clear, 0.0), slow_slope, modes.slow_bend)
+    nearest = _root(above, slope, np.minimum(jerk * tangents - bend, most))
+    steps = np.minimum(nearest, tangents)
+    steps = np.fmax(steps, np.where(slope >= 0.0, CONVEX * bend / jerk, 0.0))
+    clear = values[1] - GRAZE * bends[0] / modes.squares[0]
+    clear[2] += modes.constant
+    longer = _root(np.maximum(clear, 0.0), modes.drifts * slopes[1], bends[1])
     steps = np.where(clear > 0.0, np.maximum(steps, longer), steps)
-    event = np.zeros(time.size, dtype=int)
-    found = _Functions(modes, speeds, forces, value, slope, bend, steps)
-    found.leave(event)
-    step = np.minimum(np.minimum(steps[0], steps[1]), steps[2])
-    event[(step == INFINITE) & (event == NONE)] = NEVER
-    event[~loading & (value[2] >= modes.constant * (1.0 - NOISE)) & (slope[2] > 0.0)] = APART
-    step = np.where(event == NONE, step, 0.0)
-    found.arrive(step, event)
+
+    noise, slope_noise = _roundings(modes, cosine, sine)
+    zero = value <= noise
+    # On the border of stick, with modes of equal rates, the force keeps to the edge.
+    flat = (abs(slope) <= WIDE * slope_noise) & (abs(bend) <= WIDE * rate * slope_noise)
+    flat &= (abs(third) <= FLAT * rate * most) & (value <= WIDE * noise)
+    flat[2] = False
+    slope = np.where(abs(slope) <= slope_noise, 0.0, slope)
+    dip = 2.0 * noise * bend
+    falls = np.where(slope < 0.0, slope * slope > dip, slope * slope < -dip) & zero & ~flat
+    lift = np.where(most > 0.0, bend / (rate * most), 0.0)
+    rises = zero & (bend >= -STRAIGHT * most)
+    steps = np.fmax(steps, np.where(rises, np.maximum(lift, LEAST_STEP / rate), 0.0))
+    steps = np.where(flat, INFINITE, steps)
+
+    first, second, _ = np.sort(steps, axis=0)
+    event = np.where(first == INFINITE, NEVER, NONE)
+    for name, at_zero in zip(NAMES, falls, strict=True):
+        event[at_zero] = name
+    apart = ~modes.loading & (value[2] >= modes.constant * (1.0 - NOISE)) & (slope[2] > 0.0)
+    event[apart] = APART
+    step = np.where(event == NONE, first, 0.0)
+    near = np.flatnonzero((event == NONE) & (step * rate < NEAR))
+    of = np.argmin(steps[:, near], axis=0)
+    tangent, root = _taylor_root(*(each[of, near] for each in (value, slope, bend, third)))
+    # Where all of the contact's force ends, both edges are zero up to the rounding of its amplitude.
+    edge = NOISE * both(modes.terms * np.hypot(modes.speeds / modes.rates, modes.forces))
+    good = value[of, near] > WIDE * np.array([edge, edge, modes.line_noise])[of, near]
+    good &= (abs(root - tangent) < 0.1 * tangent) & (root <= second[near])
+    step[near[good]] = root[good]
+    event[near[good]] = NAMES[of[good]]
     return step, event
 
 
-class _Functions(NamedTuple):
-    """Values of the event functions at the beginning of a time step.
+def _roundings(modes: Modes, cosine: Number, sine: Number) -> tuple[Number, Number]:
+    """Return the rounding errors of the event functions and of their slopes, shape (3, n)."""
+    speeds, forces = oscillators(modes, cosine, sine)
+    edge, slope = (NOISE * both(modes.terms * abs(each)) for each in (forces, speeds))
+    return np.array([edge, edge, modes.line_noise]), np.array([slope, slope, 0.0 * slope])
 
-    ``value``, ``slope`` and ``bend`` are the functions and their first and second derivatives.
-    ``steps`` holds, for each function, a time step that passes none of its zeros.
+
+def _taylor_root(
+    value: Number, slope: Number, bend: Number, third: Number
+) -> tuple[Number, Number]:
+    """Return the zero of the tangent, and that of the third-order Taylor polynomial near it.
+
+    Both are 0 where the function does not fall.
     """
-
-    modes: Modes
-    speeds: Number
-    forces: Number
-    value: Number
-    slope: Number
-    bend: Number
-    steps: Number
-
-    def third(self, of: Number, at: Number) -> Number:
-        """Return third derivatives of event functions.
-
-        ``of`` holds the indices of the functions, ``at`` the indices of the contacts.
-        """
-        fast, slow = (each.ravel()[of * self.value.shape[1] + at] for each in self.modes.parts)
-        ends = self.modes.loading[at] & (of == 2)
-        first, second = (
-            np.where(ends, -square[at] * force[at], speed[at]) * square[at]
-            for square, force, speed in zip(
-                self.modes.squares, self.forces, self.speeds, strict=True
-            )
-        )
-        return fast * first + slow * second
-
-    def leave(self, event: Number) -> None:
-        """Treat event functions that are zero at the beginning of the step.
-
-        If a function rises, its step is lengthened away from the zero. If a function falls by more
-        than rounding error, its event is entered in ``event``.
-        """
-        flat = np.flatnonzero(self.value <= self.modes.close)
-        if not flat.size:
-            return
-        modes = self.modes
-        of, at = np.divmod(flat, event.size)
-        step, value, slope, bend, most = (
-            each.ravel()[flat]
-            for each in (self.steps, self.value, self.slope, self.bend, modes.bend)
-        )
-        line = of == 2
-        terms = modes.terms.take(at, axis=1)
-        rate = modes.rates[0][at]
-        noise, slope_noise = (
-            NOISE * both(terms * abs(each.take(at, axis=1))) for each in (self.forces, self.speeds)
-        )
-        noise = np.where(line, modes.line_noise[at], noise)
-        slope_noise = np.where(line, 0.0, slope_noise)
-        # On the border of stick, with modes of equal rates, the force keeps to the edge.
-        flats = (
-            (abs(slope) <= WIDE * slope_noise) & (abs(bend) <= WIDE * rate * slope_noise) & ~line
-        )
-        if flats.any():
-            flats &= (abs(self.third(of, at)) <= FLAT * rate * most) & (value <= WIDE * noise)
-        zero = value <= noise
-        slope = np.where(abs(slope) <= slope_noise, 0.0, slope)
-        square = slope * slope
-        dip = 2.0 * noise * bend
-        lift = np.where(most > 0.0, bend / (rate * most), 0.0)
-        leaves = np.where(
-            zero & (bend >= -STRAIGHT * most), np.maximum(lift, LEAST_STEP / rate), 0.0
-        )
-        self.steps.ravel()[flat] = np.where(flats, INFINITE, np.maximum(step, leaves))
-        falls = np.where(slope < 0.0, square > dip, square < -dip) & zero & ~flats
-        event[at[falls]] = NAMES[of[falls]]
-
-    def arrive(self, step: Number, event: Number) -> None:
-        """Set the step to the first zero of the event functions if this zero is near.
-
-        No other function may have an earlier zero. The event is entered in ``event``.
-        """
-        at = np.flatnonzero((event == NONE) & (step * self.modes.rates[0] < NEAR))
-        if not at.size:
-            return
-        of = np.where(
-            self.steps[2][at] == step[at], 2, np.where(self.steps[1][at] == step[at], 1, 0)
-        )
-        flat = of * event.size + at
-        value, slope, bend = (each.ravel()[flat] for each in (self.value, self.slope, self.bend))
-        third = self.third(of, at)
-        close = self.modes.close.ravel()[flat]
-        falls = (slope < 0.0) & (value > close)
-        tangent = np.where(falls, -value / slope, 0.0)
-        root = tangent
-        for _ in range(2):
-            rest = value + root * (slope + root * (0.5 * bend + root * third / 6.0))
-            root = root - rest / (slope + root * (bend + 0.5 * root * third))
-        steps = self.steps.take(at, axis=1)
-        steps[of, np.arange(at.size)] = INFINITE
-        good = (
-            falls & (abs(root - tangent) < 0.1 * tangent) & (root * self.modes.rates[0][at] < NEAR)
-        )
-        good &= root <= np.minimum(np.minimum(steps[0], steps[1]), steps[2])
-        step[at[good]], event[at[good]] = root[good], NAMES[of[good]]
+    tangent = np.where(slope < 0.0, -value / slope, 0.0)
+    root = tangent
+    for _ in range(2):
+        rest = value + root * (slope + root * (0.5 * bend + root * third / 6.0))
+        root = root - rest / (slope + root * (bend + 0.5 * root * third))
+    return tangent, root
 
 
 def _root(value: Number, slope: Number, most: Number) -> Number:

@@ -26,9 +26,9 @@ from bristle_sim.theory.impact_events import (
     NEVER,
     NOISE,
     SETTLED,
-    WIDE,
     Modes,
     both,
+    harmonics,
     oscillators,
     step_to_event,
 )
@@ -110,7 +110,9 @@ def stick(
     balances = balances & single & ((balance <= time) | (event == NEVER))
     time = np.where(balances, balance, time)
     event = np.where(balances, BALANCED, event)
-    (w_1, w_2), (g_1, g_2), (sum_1, sum_2) = oscillators(modes, time, sums=True)
+    swing, turn, tangent = harmonics(modes, time)
+    (w_1, w_2), (g_1, g_2) = oscillators(modes, swing, turn)
+    sum_1, sum_2 = turn * (modes.forces - modes.speeds * tangent)  # time integrals of G
     event = np.where((event == SETTLED) & pressed, NEVER, event)
     still = (event == NEVER) | (event == SETTLED)
     moved = still | (time > 0.0)  # no rounding where nothing happens
@@ -179,10 +181,9 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
 
     speeds = turned(steep * contact.normal, contact.tangential / eta)
     forces = turned(contact.push / steep, contact.rub * eta)
-    swings = np.sqrt(speeds * speeds + squares * forces * forces)
 
     # Coefficients of the cone's edges T = mu N and T = -mu N, over sqrt(1 + mu^2) in the modes'
-    # units, and of the line.
+    # units, and of the line; the line is one of w in loading, and one of G in unloading.
     angle = np.minimum(contact.friction * steep * eta, STEEPEST_CONE)
     aside = 1.0 / np.sqrt(1.0 + angle * angle)
     up = angle * aside
@@ -192,32 +193,28 @@ def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
             [-up * sine - aside * cosine, aside * cosine - up * sine, sine],
         ]
     )
-    sizes = abs(np.array([cosine, sine]))
     loading = contact.loading > 0.0
+    cosines = parts * forces[:, np.newaxis]
+    sines = parts * -speeds[:, np.newaxis]
+    cosines[:, 2] = parts[:, 2] * np.where(loading, speeds, forces)
+    sines[:, 2] = parts[:, 2] * np.where(loading, squares * forces, -speeds)
+    bends = (squares / rates)[:, np.newaxis] * np.hypot(rates[:, np.newaxis] * cosines, sines)
+    sizes = abs(np.array([cosine, sine]))
+    swings = np.sqrt(speeds * speeds + squares * forces * forces)
     peak = contact.peak / steep
-    bends = abs(parts) * np.where(squares > 0.0, swings * rates, 0.0)[:, np.newaxis]
-    bends[:, 2] *= np.where(loading, rates, 1.0)
-    terms = up * sizes + aside * sizes[::-1]
-    line_noise = NOISE * np.where(loading, both(sizes * swings), peak)
-    close = np.empty_like(bends[0])
-    close[:2], close[2] = WIDE * NOISE * both(terms * (swings / rates)), WIDE * line_noise
+    # One degree of freedom drifts across its line; a drift of the size of rounding is none.
+    drifts = (squares[1] > 0.0) | (abs(speeds[1]) > KNIFE_EDGE * contact.approach)
     return Modes(
         speeds,
         forces,
         squares,
         rates,
-        parts,
-        terms=terms,
+        cosines,
+        sines,
+        bends,
+        terms=up * sizes + aside * sizes[::-1],
         constant=np.where(loading, 0.0, peak),
-        line_noise=line_noise,
+        line_noise=NOISE * np.where(loading, both(sizes * swings), peak),
         loading=loading,
-        close=close,
-        bend=both(bends),
-        jerk=both(bends * rates[:, np.newaxis]) / 3.0,
-        swing=bends[0] / first,
-        slow_bend=bends[1],
-        # One degree of freedom drifts across its line; a drift of the size of rounding is none.
-        drifts=((squares[1] > 0.0) | (abs(speeds[1]) > KNIFE_EDGE * contact.approach)).astype(
-            float
-        ),
+        drifts=drifts.astype(float),
     ), (cosine, sine)
