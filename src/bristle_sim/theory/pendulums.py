@@ -35,8 +35,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.theory.monofilament import LEAST_ANGLE
-from bristle_sim.theory.numbers import RANGES, checked_numbers, require
-from bristle_sim.theory.two_rods import RodImpact, Rods
+from bristle_sim.theory.numbers import checked_numbers, require
+from bristle_sim.theory.two_rods import RodImpact
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,23 +167,20 @@ def double_pendulum_impact(
     >>> print(f"{impact.kinetic_energy_ratio:.9f} {impact.outcome}")
     1.000000000 rebound
     """
-    mass, ratio, *angles = checked_numbers(
-        rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2
+    mass, ratio, length = checked_numbers(
+        rod_mass=rod_mass, mass_ratio=mass_ratio, rod_length=rod_length
     )
-    length, mu, e = checked_numbers(
-        rod_length=rod_length, friction=friction, restitution=restitution
-    )
-    later = (
-        mu
-        if restitution_friction is None
-        else RANGES["restitution_friction"].check(restitution_friction)
-    )
+    angles = checked_numbers(angle_1=angle_1, angle_2=angle_2)
     first, second = checked_numbers(rate_1=rate_1, rate_2=rate_2)
+    mu, e, later = checked_numbers(
+        friction=friction,
+        restitution=restitution,
+        restitution_friction=friction if restitution_friction is None else restitution_friction,
+    )
     speeds = np.array([length * first, length * second / 2.0])
-    rods = Rods(mass, ratio, angles)
-    impact = RodImpact(rods, speeds)
+    impact = RodImpact(mass, ratio, angles, speeds)
+    before = impact.kinetic_energy
     outcome = impact.resolve(mu, e, later)
-    before, after = rods.kinetic_energy(speeds), rods.kinetic_energy(impact.speeds)
     return DoublePendulumImpact(
         final_rate_1=float(impact.speeds[0]) / length,
         final_rate_2=2.0 * float(impact.speeds[1]) / length,
@@ -191,6 +188,6 @@ def double_pendulum_impact(
         normal_final_impulse=impact.impulse,
         slip_stop_impulse=impact.slip_stop,
         phases=tuple(impact.phases),
-        kinetic_energy_ratio=after / before if before > 0.0 else 1.0,
+        kinetic_energy_ratio=impact.kinetic_energy / before if before > 0.0 else 1.0,
         outcome=outcome,
     )

@@ -49,123 +49,78 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
     return np.abs(driven) / (2.0 * resisted)
 
 
-class Rods:
-    """The kinetics of two hinged rods of equal length at given angles to the surface's normal.
-
-    The motion is given by the generalized speeds q = (L phi'_1, L phi'_2/2) (m/s) with the length L
-    and the rates phi' of the rods. The tip C of the second rod receives impulses. ``mass`` is the
-    mass of the second rod, ``ratio`` the mass of the first rod over it.
-    """
-
-    def __init__(self, mass: float, ratio: float, angles: Sequence[float]) -> None:
-        self.mass = mass
-        self.ratio = ratio
-        self.angles = angles
-        (self.cos_1, self.cos_2), (self.sin_1, self.sin_2) = (
-            map(math.cos, angles),
-            map(math.sin, angles),
-        )
-        between = angles[0] - angles[1]
-        self.c = math.cos(between)
-        self.sine = math.sin(between)
-        # The tip C of parallel rods moves along one line, so it cannot lift off while it sticks.
-        self.parallel = abs(between) < PARALLEL
-
-    def kinetic_energy(self, q: Array) -> float:
-        """Return the kinetic energy of the rods, J (Zhang 2020, eq. 2.93)."""
-        own = (self.ratio / 6.0 + 0.5) * q[0] ** 2 + 2.0 / 3.0 * q[1] ** 2
-        return self.mass * float(own + self.c * q[0] * q[1])
-
-    def tip_velocity(self, q: Array) -> tuple[float, float]:
-        """Return the (tangential, normal) velocity of the tip, m/s (Zhang 2020, eq. 2.95)."""
-        along = -q[0] * self.cos_1 - 2.0 * q[1] * self.cos_2
-        return float(along), float(q[0] * self.sin_1 + 2.0 * q[1] * self.sin_2)
-
-    def response(self, along: float, away: float) -> Array:
-        """Return the change of the generalized speeds by an impulse on the tip, m/s.
-
-        The impulse has the tangential component ``along`` and the normal component ``away``, N s.
-        The change solves eqs. 2.94 and 2.96.
-        """
-        first = -along * self.cos_1 + away * self.sin_1
-        second = -2.0 * along * self.cos_2 + 2.0 * away * self.sin_2
-        own = self.ratio / 3.0 + 1.0
-        solved = np.array([4.0 / 3.0 * first - self.c * second, own * second - self.c * first])
-        return solved / (self.mass * (4.0 / 3.0 * own - self.c * self.c))
-
-    def sticking(self) -> Array:
-        """Return the change of the generalized speeds per unit normal impulse while the tip sticks.
-
-        One degree of freedom is left: the speeds are proportional to (2 cos theta_2, -cos theta_1).
-        """
-        freedom = np.array([2.0 * self.cos_2, -self.cos_1])
-        lift = 0.0 if self.parallel else 2.0 * self.sine
-        return freedom * lift / (2.0 * self.kinetic_energy(freedom))
-
-    def sliding_at_rest(self) -> Array:
-        """Return the change of the generalized speeds per unit normal impulse in slip at rest.
-
-        Friction keeps the normal velocity of the tip at 0. One degree of freedom is left.
-        """
-        friction = (
-            self.tip_velocity(self.response(0.0, 1.0))[1]
-            / self.tip_velocity(self.response(1.0, 0.0))[1]
-        )
-        freedom = np.array([2.0 * self.sin_2, -self.sin_1])
-        return -friction * freedom * (2.0 * self.sine) / (2.0 * self.kinetic_energy(freedom))
-
-
 class RodImpact:
-    """The present state of an impact of two rods.
+    """The present state of an impact of two hinged rods of equal length.
 
-    It holds the generalized speeds of the rods (m/s) and the normal impulse (N s) and normal work,
-    J, so far.
+    The generalized speeds are q = (L phi'_1, L phi'_2/2) (m/s) with the length L and the rates phi'
+    of the rods. The tip C of the second rod receives impulses.
+
+    Attributes:
+        speeds: generalized speeds, m/s.
+        impulse, compressive_impulse: normal impulse so far and that of compression, N s.
+        work: normal work so far, J.
+        phases: names of the phases so far.
+        slip_stop: normal impulse at which slip stops, N s; inf before.
     """
 
-    def __init__(self, rods: Rods, speeds: Array) -> None:
-        self.rods = rods
+    def __init__(self, mass: float, ratio: float, angles: Sequence[float], speeds: Array) -> None:
+        """Begin an impact.
+
+        Args:
+            mass: mass of the second rod, kg.
+            ratio: mass of the first rod over that of the second rod.
+            angles: angles of the rods to the surface's normal, rad.
+            speeds: generalized speeds before the impact, m/s.
+        """
+        cosines = np.cos(angles)
+        sines = np.sin(angles)
+        between = angles[0] - angles[1]
+        c = math.cos(between)
+        # Generalized momenta per generalized speed (2.93), and the tip's (tangential, normal)
+        # velocity per generalized speed (2.95).
+        self.inertia = mass * np.array([[ratio / 3.0 + 1.0, c], [c, 4.0 / 3.0]])
+        self.tip = np.array([-cosines, sines]) * [1.0, 2.0]
+        # Changes of the generalized speeds per unit (tangential, normal) impulse (2.94, 2.96).
+        self.response = np.linalg.solve(self.inertia, self.tip.T)
+        # The tip C of parallel rods moves along one line, so it cannot lift off while it sticks.
+        parallel = abs(between) < PARALLEL
+        self.lever = 2.0 * math.sin(between)
+        in_stick = [2.0 * cosines[1], -cosines[0]]
+        self.in_stick = self._guided(in_stick, 0.0 if parallel else self.lever)
+        self.at_rest = [2.0 * sines[1], -sines[0]]
+        self.threshold = float(stick_friction(ratio, *angles))
         self.speeds = speeds
         self.impulse = 0.0
         self.compressive_impulse = 0.0
         self.work = 0.0
         self.phases: list[str] = []
-        across = 2.0 * PARALLEL if rods.parallel else 0.0
+        across = 2.0 * PARALLEL if parallel else 0.0
         self._least = (ROUNDING + across) * float(np.abs(speeds).sum())
-        self.first_slip = math.copysign(1.0, self.tip[0]) if self.tip[0] else 0.0
+        self.first_slip = math.copysign(1.0, self.velocity[0]) if self.velocity[0] else 0.0
         self.slip_stop = math.inf if self.first_slip else 0.0
 
+    def _guided(self, freedom: Sequence[float], push: float) -> Array:
+        """Return the change of the generalized speeds per unit normal impulse on one freedom.
+
+        The speeds stay proportional to ``freedom``; ``push`` is the power of the unit impulse at
+        these speeds.
+        """
+        direction = np.array(freedom)
+        return direction * (push / float(direction @ self.inertia @ direction))
+
     @property
-    def tip(self) -> list[float]:
+    def kinetic_energy(self) -> float:
+        """Return the kinetic energy of the rods, J (Zhang 2020, eq. 2.93)."""
+        return 0.5 * float(self.speeds @ self.inertia @ self.speeds)
+
+    @property
+    def velocity(self) -> list[float]:
         """Return the (tangential, normal) velocity of the tip, m/s.
 
         A component no larger than rounding error is set to zero.
         """
-        return [
-            each if abs(each) > self._least else 0.0 for each in self.rods.tip_velocity(self.speeds)
-        ]
-
-    def until_zero(self, axis: int, change: Array) -> float:
-        """Return the normal impulse until the end of slip (axis 0) or of compression (axis 1), N s.
-
-        ``change`` is the change of the generalized speeds per unit normal impulse (eqs. 2.75, 2.76,
-        2.99, 2.100).
-        """
-        value = self.tip[axis]
-        slope = self.rods.tip_velocity(change)[axis]
-        return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
-
-    def until_work(self, change: Array, work: float) -> float:
-        """Return the further normal impulse that does a given normal work, N s.
-
-        It is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip, its
-        change v' per unit normal impulse, and the work W, J.
-        """
-        speed = self.tip[1]
-        gain = self.rods.tip_velocity(change)[1]
-        if gain <= 0.0:
-            return math.inf
-        final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
-        return 2.0 * work / (speed + final) if final > 0.0 else 0.0
+        values: list[float] = (self.tip @ self.speeds).tolist()
+        return [each if abs(each) > self._least else 0.0 for each in values]
 
     def follow(self, part: str, mu: float, work: float | None = None) -> bool:
         """Follow compression or restitution to its end.
@@ -181,35 +136,34 @@ class RodImpact:
         Returns:
             Whether the end is reached by a finite impulse.
         """
-        for slips in (True, False) if self.tip[0] else (False,):
-            driven = (
-                self.tip[0] if slips else self.rods.tip_velocity(self.rods.response(0.0, 1.0))[0]
-            )
-            direction = math.copysign(1.0, driven)
+        for slips in (True, False) if self.velocity[0] else (False,):
+            along, away = self.velocity
+            direction = math.copysign(1.0, along if slips else self.tip[0] @ self.response[:, 1])
             motion = "stick"
-            if slips or mu < stick_friction(self.rods.ratio, *self.rods.angles):
+            change = self.in_stick
+            if slips or mu < self.threshold:
                 self.first_slip = self.first_slip or direction
                 motion = "slip" if direction == self.first_slip else "reverse slip"
-            change = (
-                self.rods.sticking()
-                if motion == "stick"
-                else self.rods.response(-mu * direction, 1.0)
-            )
-            if slips and work is not None and self.rods.tip_velocity(change)[1] <= 0.0:
-                # Friction larger than in compression would drive C back as soon as C leaves.
-                change = self.rods.sliding_at_rest()
-            end = self.until_zero(1, change) if work is None else self.until_work(change, work)
-            stop = self.until_zero(0, change) if slips else math.inf
+                change = self.response @ [-mu * direction, 1.0]
+            if slips and work is not None and self.tip[1] @ change <= 0.0:
+                # Friction larger than in compression would drive C back as soon as C leaves; instead
+                # it keeps the normal velocity of C at 0.
+                coupling, normal = self.tip[1] @ self.response
+                change = self._guided(self.at_rest, -normal / coupling * self.lever)
+            turn, gain = (self.tip @ change).tolist()
+            end = until_zero(away, gain) if work is None else until_work(away, gain, work)
+            stop = until_zero(along, turn) if slips else math.inf
             if math.isinf(step := min(stop, end)):
                 return False
-            done = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * step) * step
+            done = (away + 0.5 * gain * step) * step
             self.speeds = self.speeds + change * step
-            self.work = self.work + done
-            self.impulse = self.impulse + step
+            self.work += done
+            self.impulse += step
             self.phases.append(f"{part} {motion}")
-            if math.isinf(self.slip_stop) and not self.tip[0]:
+            along, away = self.velocity
+            if math.isinf(self.slip_stop) and not along:
                 self.slip_stop = self.impulse
-            if end <= stop or (work is None and not self.tip[1] < 0.0):
+            if end <= stop or (work is None and not away < 0.0):
                 return True
             work = None if work is None else work - done
         return False
@@ -219,15 +173,33 @@ class RodImpact:
 
         ``mu`` is the coefficient of friction in compression, ``later`` the one in restitution.
         """
-        if not self.tip[1] < 0.0:
+        if not self.velocity[1] < 0.0:
             return "no contact"
         if not self.follow("compression", mu):
             return "jam"
         self.compressive_impulse = self.impulse
         if restitution == 0.0:
             return "no rebound"
-        return (
-            "rebound"
-            if self.follow("restitution", later, -(restitution**2) * self.work)
-            else "stiction"
-        )
+        ends = self.follow("restitution", later, -(restitution**2) * self.work)
+        return "rebound" if ends else "stiction"
+
+
+def until_zero(speed: float, gain: float) -> float:
+    """Return the normal impulse until a velocity of the tip is zero, N s.
+
+    ``speed`` is the velocity, ``gain`` its change per unit normal impulse (eqs. 2.75, 2.76, 2.99,
+    2.100).
+    """
+    return -speed / gain if min(speed, gain) < 0.0 < max(speed, gain) else math.inf
+
+
+def until_work(speed: float, gain: float, work: float) -> float:
+    """Return the further normal impulse that does a given normal work, N s.
+
+    It is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip, its change
+    v' per unit normal impulse, and the work W, J.
+    """
+    if gain <= 0.0:
+        return math.inf
+    final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
+    return 2.0 * work / (speed + final) if final > 0.0 else 0.0
