@@ -124,29 +124,27 @@ def _turned(contact: Contact, event: Number) -> Contact:
         steep=np.where(deepest, 1.0 / contact.restitution, np.where(again, 1.0, contact.steep)),
         friction=mu,
     )
-    return contact._replace(
-        slip=np.where(slides, side, np.where(event == STOP, 0.0, begun_slip(contact)))
-    )
+    stays = (event == STOP) | (event == NONE) | (event == BALANCED)
+    return contact._replace(slip=np.where(slides, side, np.where(stays, 0.0, begun_slip(contact))))
 
 
 class _Contacts:
     """The present state of an array of contacts, and their impulses and works so far.
 
-    ``rows`` has one row per entry of ``Contact`` and one column per contact. ``totals`` holds the
-    impulses and works by the four phases of ``impact_phases.PHASES``; ``slips`` holds the slip in
-    these phases. The second phase of compression collects everything after the first stick or slip;
-    the second phase of restitution does the same. When a point is pressed deeper than before,
-    everything up to then counts as compression. ``balanced`` holds velocities, totals and slips at
-    the instant at which the forces on a point of one degree of freedom are first in balance or its
-    loading ends; until then ``moves`` is set.
+    ``rows`` has one row per entry of ``Contact`` and one column per contact. ``totals`` holds normal
+    and tangential impulse, normal and tangential work, and slip, by the four phases of
+    ``impact_phases.PHASES``, shape (5, 4, n). The second phase of compression collects everything
+    after the first stick or slip; the second phase of restitution does the same. When a point is
+    pressed deeper than before, everything up to then counts as compression. ``balanced`` and
+    ``velocity`` hold the totals and the velocity at the instant at which the forces on a point of
+    one degree of freedom are first in balance or its loading ends; until then ``moves`` is set.
     """
 
     def __init__(self, contact: Contact) -> None:
+        size = contact.slip.size
         self.rows = np.array(contact)
         self.initial = contact.slip
-        size = contact.slip.size
-        self.totals = np.zeros((4, 4 * size))
-        self.slips = np.zeros((size, 4))
+        self.totals = np.zeros((5, 4, size))
         self.row = np.zeros(size, dtype=int)
         self.phases = np.zeros(size, dtype=int)
         self.settled = np.zeros(size, dtype=bool)
@@ -154,12 +152,8 @@ class _Contacts:
         self.outcome = np.zeros(size, dtype=int)
         self.again = np.zeros(size, dtype=int)
         self.moves = np.ones(size, dtype=bool)
-        self.balanced = np.zeros((2, size)), np.zeros((4, size, 4)), np.zeros((size, 4))
-
-    @property
-    def by_row(self) -> Number:
-        """Return impulses and works so far by quantity, contact and phase, shape (4, n, 4)."""
-        return self.totals.reshape(4, -1, 4)
+        self.balanced = np.zeros_like(self.totals)
+        self.velocity = np.zeros((2, size))
 
     def advance(self, active: Number) -> Number:
         """Advance contacts by one phase; return the indices of those that have not ended.
@@ -173,20 +167,12 @@ class _Contacts:
             if slides:
                 after, event, done = slide(before)
             else:
-                many = self.phases[at] >= SETTLING
-                most = many & (
-                    (self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED)
-                )
                 fresh = ~self.settled[at]
-                after, event, done = stick(before, many & fresh, most & fresh, self.moves[at])
+                many = fresh & (self.phases[at] >= SETTLING)
+                most = (self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED)
+                after, event, done = stick(before, many, many & most, self.moves[at])
             over = self.note(at, before, after, event, done)
-            turned = _turned(after, event)
-            same = (event == NONE) | (event == BALANCED)
-            if same.any():
-                turned = Contact(
-                    *(np.where(same, *pair) for pair in zip(after, turned, strict=True))
-                )
-            self.turn(at, before, turned, event, over)
+            self.turn(at, before, _turned(after, event), event, over)
             going.append(at[~over])
         return np.concatenate(going)
 
@@ -205,43 +191,34 @@ class _Contacts:
         Returns:
             Whether each of these contacts has ended.
         """
-        place = 4 * at + self.row[at]
+        row = self.row[at]
         loading = before.loading > 0.0
-        for total, part in zip(self.totals, done, strict=True):
-            total[place] += part
+        self.totals[:4, row, at] += done
         moved = done[0] > 0.0
-        self.slips.ravel()[place[moved]] = before.slip[moved]
-        kept = self.moves[at] & ((event == BALANCED) | ((event == LINE) & loading))
+        self.totals[4, row[moved], at[moved]] = before.slip[moved]
+        deepest = (event == LINE) & loading
+        kept = self.moves[at] & ((event == BALANCED) | deepest)
         chosen = at[kept]
         self.moves[chosen] = False
-        velocity, totals, slips = self.balanced
-        velocity[:, chosen] = after.normal[kept], after.tangential[kept]
-        totals[:, chosen], slips[chosen] = self.by_row[:, chosen], self.slips[chosen]
+        self.velocity[:, chosen] = after.normal[kept], after.tangential[kept]
+        self.balanced[..., chosen] = self.totals[..., chosen]
         counts = (before.slip == 0.0) | (before.restitution < LEAST_EXACT)
         # a force that fades slowly, with a little slip in each swing
         counts |= ~loading & (before.stick == 0.0)
         self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
-        over = (
-            (event == APART)
-            | (event == NEVER)
-            | ((event == LINE) & loading & (before.restitution == 0.0))
-        )
-        ends = np.flatnonzero(over)
-        event = event[ends]
-        speed = after.normal[ends]
-        approach = before.approach[ends]
-        pressed = loading[ends] | (speed < -KNIFE_EDGE * approach)
-        parted = np.where((event == APART) & (speed > 0.0), REBOUND, NO_REBOUND)
-        self.outcome[at[ends]] = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
+        over = (event == APART) | (event == NEVER) | (deepest & (before.restitution == 0.0))
+        pressed = loading | (after.normal < -KNIFE_EDGE * before.approach)
+        parted = np.where((event == APART) & (after.normal > 0.0), REBOUND, NO_REBOUND)
+        outcome = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
+        self.outcome[at[over]] = outcome[over]
         return over
 
     def set_back(self) -> None:
         """Set contacts that end in a jam or in stiction back to the instant of their balance."""
         at = np.flatnonzero(np.isin(self.outcome, (JAM, STICTION)) & ~self.moves)
-        velocity, totals, slips = self.balanced
-        self.rows[MOTION : MOTION + 2, at] = velocity[:, at]
-        self.by_row[:, at], self.slips[at] = totals[:, at], slips[at]
+        self.rows[MOTION : MOTION + 2, at] = self.velocity[:, at]
+        self.totals[..., at] = self.balanced[..., at]
 
     def turn(
         self, at: Number, before: Contact, after: Contact, event: Number, over: Number
@@ -250,22 +227,20 @@ class _Contacts:
 
         ``at`` holds the indices of the contacts. ``over`` tells which of them have ended.
         """
-        for row, value in zip(self.rows[MOTION:], after[MOTION:], strict=True):
-            row[at] = value
+        self.rows[MOTION:, at] = after[MOTION:]
         line = event == LINE
         again = line & (before.loading == 0.0)
         chosen = at[again]
         if chosen.size:
-            rows = self.by_row
-            rows[:, chosen, 1] += rows[:, chosen, 2:].sum(axis=-1)
-            rows[:, chosen, 2:], self.slips[chosen, 2:] = 0.0, 0.0
+            self.totals[:4, 1, chosen] += self.totals[:4, 2:, chosen].sum(axis=1)
+            self.totals[:, 2:, chosen] = 0.0
             self.again[chosen] += 1
             self.rest(chosen[self.again[chosen] >= CHATTER])
         turned = (after.slip != before.slip) & ~over
         row = self.row[at]
         self.row[at] = np.where(again, 1, np.where(line, 2, np.where(turned, row | 1, row)))
         stops = at[turned & (self.initial[at] != 0.0) & (self.slip_stop[at] == INFINITE)]
-        self.slip_stop[stops] = self.by_row[0, stops].sum(axis=-1)
+        self.slip_stop[stops] = self.totals[0][:, stops].sum(axis=0)
 
     def rest(self, at: Number) -> None:
         """Halve the slip of contacts that alternate too often between loading and unloading.
@@ -279,7 +254,7 @@ class _Contacts:
         impulse = 0.5 * speed * contact.k_nt / (contact.stick * contact.k_tt)
         impulse = np.where(np.isfinite(impulse), np.maximum(impulse, 0.0), 0.0)
         done = (impulse, ratio * impulse, 0.0 * impulse, 0.75 * ratio * impulse * speed)
-        self.by_row[:, at, 1] += done
+        self.totals[:4, 1, at] += done
         self.rows[MOTION + 1, at] = np.where(impulse > 0.0, 0.5 * speed, speed)
         self.again[at] -= FURTHER
 
@@ -319,23 +294,21 @@ def compliant_impact(values: Arguments, squared: Number) -> Impact:
         while active.size:
             active = contacts.advance(active)
         contacts.set_back()
-    momentum = (speed / mass)[:, np.newaxis]
-    energy = (speed * speed / mass)[:, np.newaxis]
-    impulses, along = contacts.by_row[:2] * momentum
-    normal_works, tangential_works = contacts.by_row[2:] * energy
+    momentum = speed / mass
+    impulses, along = contacts.totals[:2] * momentum
+    normal_works, tangential_works = contacts.totals[2:4] * (speed * momentum)
+    slip_stop = np.where(contacts.initial == 0.0, 0.0, contacts.slip_stop * momentum)
     return Impact(
-        impulse_normal=impulses.sum(axis=-1),
-        impulse_tangential=along.sum(axis=-1),
+        impulse_normal=impulses.sum(axis=0),
+        impulse_tangential=along.sum(axis=0),
         velocity_normal=contacts.rows[MOTION] * speed,
         velocity_tangential=contacts.rows[MOTION + 1] * speed,
-        compressive_impulse_normal=impulses[:, :2].sum(axis=-1),
-        compressive_impulse_tangential=along[:, :2].sum(axis=-1),
-        slip_stop_impulse=np.where(
-            contacts.initial == 0.0, 0.0, contacts.slip_stop * momentum[:, 0]
-        ),
-        phase_impulse=impulses,
-        phase_slip=contacts.slips,
-        phase_work_normal=normal_works,
-        phase_work_tangential=tangential_works,
+        compressive_impulse_normal=impulses[:2].sum(axis=0),
+        compressive_impulse_tangential=along[:2].sum(axis=0),
+        slip_stop_impulse=slip_stop,
+        phase_impulse=impulses.T,
+        phase_slip=contacts.totals[4].T,
+        phase_work_normal=normal_works.T,
+        phase_work_tangential=tangential_works.T,
         outcome=contacts.outcome,
     )
