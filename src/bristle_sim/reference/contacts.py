@@ -133,8 +133,9 @@ class Bar:
         spin = dot(1j * normal, carried) / distance if point.corner else motion.rates[link]
         # The place of contact stays on the bar, whose normal turns at ``spin``.
         outwards = (distance - self.wire_radius) * normal
-        surface, moving = self.centre + outwards, 1j * spin * outwards
-        return touch_of(chain, motion, link, distance - self.reach, normal, surface, spin, moving)
+        gap = distance - self.reach
+        surface = self.centre + outwards
+        return touch_of(chain, motion, link, gap, normal, surface, spin, 1j * spin * outwards)
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,39 +78,33 @@ def solve(matrix: Array, right: Array) -> Array:
 
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Return the accelerations and the contact forces that solve the equations of motion."""
-    if not contacts:
-        return Balance(solve(mass, forces), np.zeros((0, 2)))
-    size = len(forces)
-    known = np.array(forces, dtype=float)
-    # For each unknown force its effect on the links, and the row and bias that it must keep at rest.
-    effects: list[Array] = []
-    rows: list[Array] = []
-    biases: list[float] = []
-    for each in contacts:
-        normal, tangential = each.touch.rows
-        if each.push is None:
-            effects.append(normal + each.ratio * tangential)
-            rows.append(normal)
-            biases.append(each.touch.bias[0])
+    links = len(forces)
+    size = links + 2 * len(contacts)
+    matrix = np.zeros((size, size))
+    right = np.zeros(size)
+    matrix[:links, :links] = mass
+    right[:links] = forces
+    for number, each in enumerate(contacts):
+        normal = links + 2 * number
+        tangential = normal + 1
+        matrix[:links, normal : normal + 2] = -each.touch.rows.T
+        if each.push is None:  # the force that keeps the gap closed
+            matrix[normal, :links] = each.touch.rows[0]
+            right[normal] = -each.touch.bias[0]
         else:
-            rub = each.ratio * each.push if each.rub is None else each.rub
-            known += each.push * normal + rub * tangential
+            matrix[normal, normal] = 1.0
+            right[normal] = each.push
         if each.sticks:
-            effects.append(tangential)
-            rows.append(tangential)
-            biases.append(each.touch.bias[1])
-    matrix = np.zeros((size + len(rows), size + len(rows)))
-    matrix[:size, :size] = mass
-    matrix[size:, :size] = np.reshape(rows, (-1, size))
-    matrix[:size, size:] = -np.reshape(effects, (-1, size)).T
-    found = solve(matrix, np.append(known, np.negative(biases)))
-    unknown = iter(found[size:].tolist())
-    pushes = []
-    for each in contacts:
-        push = next(unknown) if each.push is None else each.push
-        slipping = each.ratio * push if each.rub is None else each.rub
-        pushes.append((push, next(unknown) if each.sticks else slipping))
-    return Balance(found[:size], np.reshape(pushes, (-1, 2)))
+            matrix[tangential, :links] = each.touch.rows[1]
+            right[tangential] = -each.touch.bias[1]
+        else:
+            matrix[tangential, tangential] = 1.0
+            if each.rub is None:
+                matrix[tangential, normal] = -each.ratio
+            else:
+                right[tangential] = each.rub
+    found = solve(matrix, right)
+    return Balance(found[:links], found[links:].reshape(-1, 2))
 
 
 def acting(
@@ -142,29 +136,33 @@ def acting(
         chosen = {
             i: contacts[i]._replace(slip=mode) for i, mode in enumerate(modes) if mode is not None
         }
-        if _consistent(mass, forces, contacts, chosen, still):
+        opening = [contacts[i].touch for i, mode in enumerate(modes) if mode is None]
+        if _consistent(mass, forces, list(chosen.values()), opening, still):
             return {i: each.slip for i, each in chosen.items()}
     return None
 
 
 def _consistent(
-    mass: Array, forces: Array, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
+    mass: Array,
+    forces: Array,
+    chosen: Sequence[Acting],
+    opening: Sequence[Touch],
+    still: float,
 ) -> bool:
     """Return whether a combination of closed and opening contacts obeys the equations of motion.
 
-    Every contact in ``chosen`` must obey Coulomb's law. All other contacts must open.
+    Every contact in ``chosen`` must obey Coulomb's law. All contacts in ``opening`` must open.
     """
     try:
-        accelerations, pushes = balance(mass, forces, tuple(chosen.values()))
+        accelerations, pushes = balance(mass, forces, chosen)
     except np.linalg.LinAlgError:  # more contacts than the links can keep closed
         return False
-    others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
-    if any(touch.rows[0] @ accelerations + touch.bias[0] < 0.0 for touch in others):
+    if any(touch.rows[0] @ accelerations + touch.bias[0] < 0.0 for touch in opening):
         return False
     free = solve(mass, forces)
     return all(
         _obeys_coulomb(mass, each, push, accelerations, free, still)
-        for each, push in zip(chosen.values(), pushes.tolist(), strict=True)
+        for each, push in zip(chosen, pushes.tolist(), strict=True)
     )
 
 

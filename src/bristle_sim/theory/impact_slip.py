@@ -51,8 +51,8 @@ def slide(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
     event = np.where(impulse == apart, APART, np.where(impulse == line, LINE, STOP))
     event = np.where(impulse == INFINITE, NEVER, event)
     impulse = np.where(impulse == INFINITE, 0.0, impulse)
-    normal, tangential = speed + gain * impulse, contact.tangential + gain_along * impulse
-    normal = np.where(loading & (event == LINE), 0.0, normal)
+    tangential = contact.tangential + gain_along * impulse
+    normal = np.where(loading & (event == LINE), 0.0, speed + gain * impulse)
     square = push * push - kappa * impulse * (speed + normal)
     push = np.where(event == APART, 0.0, np.sqrt(np.maximum(square, 0.0)))
     ratio = -mu * contact.slip

@@ -104,8 +104,8 @@ def stick(
     # A single degree of freedom drifts across its line at a constant speed in stick.
     pressed = (contact.stick == 0.0) & (modes.drifts * sine * modes.speeds[1] > 0.0)
     time, event = step_to_event(modes, settles | (jams & pressed))
-    rate, force, speed = modes.rates[0], modes.forces[0], modes.speeds[0]
-    balance = np.arctan2(speed, -rate * force) % np.pi / rate
+    rate = modes.rates[0]
+    balance = np.arctan2(modes.speeds[0], -rate * modes.forces[0]) % np.pi / rate
     single = (contact.stick == 0.0) & (contact.loading > 0.0)
     balances = balances & single & ((balance <= time) | (event == NEVER))
     time = np.where(balances, balance, time)

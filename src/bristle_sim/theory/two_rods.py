@@ -39,7 +39,8 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
     >>> print(f"{stick_friction(1.0, math.radians(20.0), math.radians(30.0)):.6f}")
     0.623401
     """
-    first, second = np.asarray(angle_1, dtype=float), np.asarray(angle_2, dtype=float)
+    first = np.asarray(angle_1, dtype=float)
+    second = np.asarray(angle_2, dtype=float)
     heavy = np.add(mass_ratio, 3.0)
     c = np.cos(first - second)
     driven = np.sin(2.0 * first) + heavy * np.sin(2.0 * second) - 3.0 * c * np.sin(first + second)
