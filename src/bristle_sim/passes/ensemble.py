@@ -49,6 +49,8 @@ REASONS = {
 UNTOUCHED = "the wire does not touch the bar"
 OTHERWISE = "a change within the accuracy gives it another course or outcome"
 
+STEPS = {FLIES: advance, BAR: touch_bar}
+
 Columns = dict[str, NDArray[Any]]
 """Results of all passes of a request by name, and their outcomes, as codes, and reasons."""
 
@@ -99,26 +101,30 @@ def ensemble(
     nothing = passes_of(request, np.arange(0))[0]
     groups = {FLIES: nothing, BAR: nothing}
     ended = list[Passes]()
-    begun = under_way = 0
+    begun = under_way = waiting = 0
     while begun < request.size or under_way:
         if begun < request.size and under_way < LEAST_FLYING:
             last = min(begun + BLOCK, request.size)
-            fresh, columns["reason"][begun:last] = passes_of(request, np.arange(begun, last))
-            groups[FLIES] = joined(groups[FLIES], fresh)
+            group, columns["reason"][begun:last] = passes_of(request, np.arange(begun, last))
             begun = last
-        # the larger group goes on: calls for few passes cost as much as for many
-        flies = groups[FLIES].size >= groups[BAR].size
-        group = groups[FLIES if flies else BAR]
-        groups[FLIES if flies else BAR] = nothing
-        group.code[:] = (advance if flies else touch_bar)(group, checked.accuracy)
+        else:
+            # the larger group goes on: calls for few passes cost as much as for many
+            turn = FLIES if groups[FLIES].size >= groups[BAR].size else BAR
+            group = groups[turn]
+            groups[turn] = nothing
+            group.code[:] = STEPS[turn](group, checked.accuracy)
         for code, others in groups.items():
             groups[code] = joined(others, group.take(np.flatnonzero(group.code == code)))
         under_way = groups[FLIES].size + groups[BAR].size
         # passes that have ended wait until many can be evaluated at once
-        ended.append(group.take(np.flatnonzero(group.code > BAR)))
-        if sum(each.size for each in ended) >= LEAST_FLYING or not under_way:
-            _record(request, checked.accuracy, joined(*ended), columns)
+        over = np.flatnonzero(group.code > BAR)
+        if over.size:
+            ended.append(group.take(over))
+            waiting += over.size
+        if waiting >= LEAST_FLYING or not under_way:
+            _record(request, checked.accuracy, joined(nothing, *ended), columns)
             ended.clear()
+            waiting = 0
         if progress is not None:
             progress((begun - under_way) / request.size)
     columns["outcome"] = np.array(OUTCOMES)[columns["outcome"]]
