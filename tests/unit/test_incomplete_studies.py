@@ -88,7 +88,7 @@ REFUSALS = [
         ),
         "step budget spent",
     ),
-    (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "be above 0"),
+    (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50)), "no contact found"),
     (partial(cue_timing, UNBARRED, 0.7, Settings()), "bar, workpart"),
     (partial(cue_timing, FLEXIBLE, 0.7, Settings()), "^wire_links = 2: must be 1"),
     (partial(strikes_of, UNBARRED, Settings()), "bar, workpart: must both be there"),

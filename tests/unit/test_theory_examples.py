@@ -34,6 +34,6 @@ def test_the_formulas_have_examples() -> None:
         if not doctest.testmod(importlib.import_module(name)).attempted
     }
     assert without <= {
-        "crater_kinematics", "force_fit", "impact_arguments", "impact_compliance", "impact_events", "impact_phases",
+        "crater_kinematics", "impact_arguments", "impact_compliance", "impact_events", "impact_phases",
         "impact_slip", "impact_stick", "numbers",
     }  # fmt: skip

@@ -29,7 +29,7 @@ from bristle_sim.theory.crater_kinematics import (
     kinetic_energy,
     path_force,
 )
-from bristle_sim.theory.force_fit import fit_force_history
+from bristle_sim.theory.force_fit import fit_decay
 from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve, segment_impulses
 from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles, specific_cutting_energy
 
@@ -47,11 +47,10 @@ def force_history_figures() -> Figures:
     step = 0.1 * COMPRESSION_TIME
     # Fit of (3.3) to the mean forces of table 3.1 at the middles of the segments, with F* = 60 N.
     middles = step * (np.arange(10) + 0.5)
-    known = {"duration": BRISTLE.duration, "peak_force": 2.0 * BRISTLE.swing}
-    amplitude, decay = fit_force_history(middles, 1e-4 * printed / step, start=0.0, **known).values
+    fit = fit_decay(middles, 1e-4 * printed / step, BRISTLE.duration, 2.0 * BRISTLE.swing)
     not_fitted = (
         "found by a least-squares fit whose points are not given. The forces of table 3.1 at mid-segment"
-        f" fit with c = {amplitude:.3f} and lambda = {decay:.0f} /s, so it was not fitted to them: 5.5 /s"
+        f" fit with c = {fit.amplitude:.3f} and lambda = {fit.decay:.0f} /s, so it was not fitted to them: 5.5 /s"
         " is no decay at all over 50 us"
     )
     ball_impulse = BALL.impulse(BALL_TIME)

@@ -13,7 +13,7 @@ from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.timed_contact import TimedContact, timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
-from bristle_sim.theory.force_fit import fit_force_history
+from bristle_sim.theory.force_fit import fit_decay
 from bristle_sim.theory.force_history import BALL, BRISTLE, segment_impulses
 
 NOISE = 5.0
@@ -35,13 +35,9 @@ def points_figure() -> Redrawn:
     """Return figure 3.1: points of a ball's contact force over time, and a curve fitted to them."""
     time = np.linspace(0.0, BALL.duration, POINTS)
     force = np.asarray(BALL(time)) + NOISE * np.random.default_rng(SEED).standard_normal(POINTS)
-    fit = fit_force_history(
-        time, force, duration=BALL.duration, peak_force=2.0 * BALL.swing, start=0.0
-    )
-    shown = f"fit: c = {fit.values[0]:.3f}, $\\lambda$ = {fit.values[1]:.0f} /s"
-    curve = curve_of(
-        shown, fit.curve, np.linspace(0.0, BALL.duration, 201), {"sampled": (time, force)}
-    )
+    fit = fit_decay(time, force, BALL.duration, 2.0 * BALL.swing)
+    shown = f"fit: c = {fit.amplitude:.3f}, $\\lambda$ = {fit.decay:.0f} /s"
+    curve = curve_of(shown, fit, np.linspace(0.0, BALL.duration, 201), {"sampled": (time, force)})
     note = "the measured points are not in print: these are drawn from (3.5), c = 1.3935, $\\lambda$ = 101.6 /s"
     title = "force of a steel ball on a steel plate over time"
     return Redrawn("3.1", title, (Panel(MILLISECONDS, FORCE, (curve,)),), note)

@@ -4,7 +4,7 @@ contains a contact.
 With the lead t_o = t_f/10 and the period T = 1.2 t_f, (3.3) is F(t) = sum_i c_i e^(-lambda_i t)
 (F*/2) [cos 30 deg - cos(2 pi t/(1.2 t_f) + 30 deg)], where t_f is the duration of the contact. F*
 only scales the amplitudes c_i. It is therefore not fitted but read off the points. The unknowns are
-one amplitude c and one decay rate lambda and, unless given, t_f and the start s of the contact. If
+one amplitude c, one decay rate lambda, t_f and the start s of the contact. If
 the record holds samples from outside the contact, the baseline b is an unknown too: the measured
 force is b + F(t - s) during the contact, and b elsewhere. (3.3) is 0 at both ends, so the model is
 continuous in s and t_f.
@@ -34,6 +34,7 @@ AROUND = 0.5
 # outside the contact only if it is farther from them.
 ENDS = 0.05
 SHORTEST = 3.0  # shortest duration of a contact, in median sampling intervals
+UNKNOWNS = 4  # amplitude, decay, duration and start
 FEWEST_OUTSIDE = 4  # least number of samples outside the contact for a baseline
 # Times of the curve (3.3) without decay, as fractions of its duration: from the start to half the
 # peak force, and with a force above half the peak.
@@ -60,8 +61,8 @@ class ForceFit:
 
     Attributes:
         curve: the fitted curve; its time 0 is the start of the contact.
-        names: names of the parameters: ``amplitude 1``, ``decay 1``, and ``duration``, ``start``
-            and ``baseline`` where they were fitted.
+        names: names of the parameters: ``amplitude 1``, ``decay 1``, ``duration``, ``start``, and
+            ``baseline`` where it was fitted.
         values: values of the parameters, shape (p,): the amplitude (dimensionless), the decay rate
             in 1/s, duration and start in s, the baseline in N.
         covariance: covariance of the parameters, shape (p, p), for independent errors of the same
@@ -80,8 +81,8 @@ class ForceFit:
     residuals: Array
     noise: float
     explained: float
-    start: float = 0.0
-    baseline: float = 0.0
+    start: float
+    baseline: float
 
     @property
     def standard_errors(self) -> Array:
@@ -107,15 +108,34 @@ class _Pulse(NamedTuple):
     level: float
 
 
-def fit_force_history(
-    time: ArrayLike,
-    force: ArrayLike,
-    *,
-    duration: float | None = None,
-    peak_force: float | None = None,
-    start: float | None = None,
-) -> ForceFit:
-    """Fit the force history of an impact to measured points by least squares.
+def fit_decay(time: ArrayLike, force: ArrayLike, duration: float, peak_force: float) -> ForceCurve:
+    """Fit amplitude and decay of a contact of known duration to measured points (Zhang 2020, eq. 3.2).
+
+    Args:
+        time: times since first touch (s), shape (n,).
+        force: forces (N), shape (n,).
+        duration: duration t_f of the contact, s.
+        peak_force: force F* to which the amplitude refers, N.
+
+    >>> curve = ForceCurve.of_impact(0.7, -150.0, 100.0, 5e-3)
+    >>> time = np.linspace(0.0, 5e-3, 21)
+    >>> fitted = fit_decay(time, curve(time), 5e-3, 100.0)
+    >>> print(f"{fitted.amplitude:.6f} {fitted.decay:.4f}")
+    0.700000 -150.0000
+    """
+    from scipy.optimize import curve_fit
+
+    def curve(amplitude: float, fading: float) -> ForceCurve:
+        return ForceCurve.of_impact(amplitude, fading / duration, peak_force, duration)
+
+    found, _ = curve_fit(
+        lambda since, *unknowns: curve(*unknowns)(since), time, force, (1.0, 0.0), xtol=1e-14
+    )
+    return curve(*found.tolist())
+
+
+def fit_force_history(time: ArrayLike, force: ArrayLike) -> ForceFit:
+    """Fit the force history of an impact to a measured record by least squares.
 
     The curve is ``ForceCurve``, eq. 3.3 of Zhang (2020) with one exponential; the fit is (3.2).
 
@@ -123,12 +143,6 @@ def fit_force_history(
         time: increasing times on any clock (s), shape (n,). The record is a contact or its
             beginning, with or without samples before and after it.
         force: forces (N), shape (n,), positive where the tip is pushed.
-        duration: duration of the contact, s; fitted by default.
-        peak_force: force F* to which the fitted amplitude refers, N; by default the largest
-            measured force above the baseline.
-        start: start of the contact, s. All points must then belong to one contact, without a
-            baseline. By default the start is fitted, and the baseline too if the record holds
-            samples outside the contact.
 
     Raises:
         ValueError: if the points are not a force history; if they are not more than the unknowns;
@@ -136,22 +150,17 @@ def fit_force_history(
     """
     time = np.asarray(time, dtype=float)
     force = np.asarray(force, dtype=float)
-    _check(time, force, duration, peak_force, start)
-    tried = (
-        _fitted(time, force, pulse, duration, peak_force, start)
-        for pulse in _pulses(time, force, start)
-    )
-    best = max(
-        (each for each in tried if each is not None), key=lambda each: each.explained, default=None
-    )
-    if best is None:
+    _check(time, force)
+    tried = (_fitted(time, force, pulse) for pulse in _pulses(time, force))
+    fits = [each for each in tried if each is not None]
+    if not fits:
         raise ValueError(NO_CONTACT)
-    if start is None:
-        _check_found(best, time, force)
+    best = max(fits, key=lambda each: each.explained)
+    _check_found(best, time, force)
     return best
 
 
-def _pulses(time: Array, force: Array, start: float | None) -> Iterator[_Pulse]:
+def _pulses(time: Array, force: Array) -> Iterator[_Pulse]:
     """Yield the first estimates from which the fits start, without repetition.
 
     An estimate is the highest pulse of a moving average. Its height is measured above the median of
@@ -165,50 +174,43 @@ def _pulses(time: Array, force: Array, start: float | None) -> Iterator[_Pulse]:
         clock = np.convolve(time, weights, "valid")
         top = int(np.argmax(smooth))
         ends = 0.5 * float(smooth[0] + smooth[-1])
-        for level in (0.0,) if start is not None else (float(np.median(force)), ends):
+        for level in (float(np.median(force)), ends):
             high = smooth > 0.5 * (smooth[top] + level)
-            before, after = np.flatnonzero(~high[:top]), np.flatnonzero(~high[top:])
+            before = np.flatnonzero(~high[:top])
+            after = np.flatnonzero(~high[top:])
             left = float(clock[before[-1]] if before.size else clock[0])
             right = float(
                 clock[top + after[0]] if after.size else max(clock[-1], 2.0 * clock[top] - left)
             )
             length = max((right - left) / HALF_WIDTH, SHORTEST * interval)
-            begin = left - RISE * length if start is None else start
+            begin = left - RISE * length
             place = round(20.0 * begin / length), round(20.0 * math.log(length / interval))
             if smooth[top] > level and place not in seen:
                 seen.add(place)
                 yield _Pulse(begin, length, float(smooth[top]) - level, level)
 
 
-def _fitted(
-    time: Array,
-    force: Array,
-    pulse: _Pulse,
-    duration: float | None,
-    peak_force: float | None,
-    start: float | None,
-) -> ForceFit | None:
+def _fitted(time: Array, force: Array, pulse: _Pulse) -> ForceFit | None:
     """Return the least-squares fit that starts from a pulse; None if the fit fails."""
     from scipy.optimize import OptimizeWarning, curve_fit
 
-    length = pulse.duration if duration is None else duration
+    length = pulse.duration
     since = (time - pulse.start) / length
-    based = False
-    if start is None:
-        near = (since >= -AROUND) & (since <= 1.0 + AROUND)
-        based = int((near & ((since < -ENDS) | (since > 1.0 + ENDS))).sum()) >= FEWEST_OUTSIDE
-        time = time[near]
-        force = force[near]
-        since = since[near]
-    scale = peak_force or (pulse.height if based else float(force.max(initial=0.0)))
+    near = (since >= -AROUND) & (since <= 1.0 + AROUND)
+    outside = near & ((since < -ENDS) | (since > 1.0 + ENDS))
+    based = int(outside.sum()) >= FEWEST_OUTSIDE
+    since = since[near]
+    force = force[near]
+    scale = pulse.height if based else float(force.max(initial=0.0))
     if not scale > 0.0:
         return None
     amplitude = pulse.height / ForceCurve.of_impact(1.0, 0.0, scale, 1.0).peak_force()
-    guesses = {"amplitude 1": (amplitude, 1.0), "decay 1": (1.0 / length, 0.0)}
-    if duration is None:
-        guesses["duration"] = (length, 1.0)
-    if start is None:
-        guesses["start"] = (length, 0.0)
+    guesses = {
+        "amplitude 1": (amplitude, 1.0),
+        "decay 1": (1.0 / length, 0.0),
+        "duration": (length, 1.0),
+        "start": (length, 0.0),
+    }
     if based:
         guesses["baseline"] = (pulse.height, pulse.level / pulse.height)
     if force.size <= len(guesses):
@@ -217,10 +219,9 @@ def _fitted(
 
     def model(unknowns: Array) -> tuple[ForceCurve, float, float]:
         """Return the curve, the start and the baseline for scaled values of the unknowns."""
-        found = dict(zip(guesses, (units * unknowns).tolist(), strict=True))
-        span = abs(found.get("duration", length))
-        curve = ForceCurve.of_impact(found["amplitude 1"], found["decay 1"], scale, span)
-        return curve, found.get("start", 0.0), found.get("baseline", 0.0)
+        amplitude, decay, span, begins, *level = (units * unknowns).tolist()
+        curve = ForceCurve.of_impact(amplitude, decay, scale, abs(span))
+        return curve, begins, level[0] if based else 0.0
 
     def forces(since: Array, *unknowns: float) -> Array:
         curve, begins, level = model(np.array(unknowns))
@@ -242,17 +243,16 @@ def _fitted(
         return None
     residuals = forces(since, *found) - force
     origin = pulse.start + begins
-    exact = {"start": origin, "duration": curve.duration}
-    values = dict(zip(guesses, (found * units).tolist(), strict=True))
-    values |= {name: exact[name] for name in exact if name in guesses}
+    values = found * units
+    values[2:4] = curve.duration, origin
     unexplained = float(residuals @ residuals)
     total = float(np.sum((force - force.mean()) ** 2))
     noise = math.sqrt(unexplained / (force.size - found.size))
     spread = covariance * np.outer(units, units)
     return ForceFit(
         curve=curve,
-        names=tuple(values),
-        values=np.array([*values.values()]),
+        names=tuple(guesses),
+        values=values,
         covariance=spread,
         residuals=residuals,
         noise=noise,
@@ -300,9 +300,7 @@ def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
         raise ValueError(f"force: {ends}, where a contact has 0; {must}")
 
 
-def _check(
-    time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None
-) -> None:
+def _check(time: Array, force: Array) -> None:
     """Raise ValueError for arguments that cannot be the force history of one contact.
 
     The times must be ascending, with more samples than there are unknowns.
@@ -313,23 +311,11 @@ def _check(
         )
     if not (np.isfinite(time).all() and np.isfinite(force).all() and (np.diff(time) > 0.0).all()):
         raise ValueError("time, force: must be finite numbers, the times increasing (in s, N)")
-    unknowns = 2 + (duration is None) + (start is None)
-    if force.size <= unknowns:
+    if force.size <= UNKNOWNS:
         raise ValueError(
-            f"force: {force.size} points; there must be more than the {unknowns} unknowns"
+            f"force: {force.size} points; there must be more than the {UNKNOWNS} unknowns"
         )
     if not SPAN[0] <= time[-1] - time[0] <= SPAN[1]:
         raise ValueError(
             f"time: spans {time[-1] - time[0]:g}: must be {SPAN[0]:g} to {SPAN[1]:g} (in s)"
-        )
-    for name, value, unit in (("duration", duration, "s"), ("peak_force", peak_force, "N")):
-        if value is not None and not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value:g}: must be a finite number above 0 (in {unit})")
-    if start is not None and (time[0] < start or not (force > 0.0).any()):
-        raise ValueError(
-            f"time, force: must begin at start = {start:g} or later, and be above 0 (in s, N)"
-        )
-    if start is not None and duration is not None and not duration >= time[-1] - start:
-        raise ValueError(
-            f"duration = {duration:g}: must be at least the last time, {time[-1] - start:g} (in s)"
         )
