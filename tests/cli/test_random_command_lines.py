@@ -23,7 +23,7 @@ import pytest
 
 from bristle_sim.cli import Scenario, main
 from bristle_sim.cli.scenario import load_scenario, script_paths
-from bristle_sim.declared import Choice, Range
+from bristle_sim.declared import Choice, Declaration, Range
 
 NUMBER = int(os.environ.get("BRISTLE_SIM_COMMAND_LINES", "2"))
 SEED = os.environ.get("BRISTLE_SIM_SEED", "1")
@@ -64,12 +64,14 @@ class Answer(NamedTuple):
     forecast: bool = False
 
 
-def value(chance: random.Random, declared: Range | Choice, default: object) -> str:
+def value(chance: random.Random, declared: Declaration) -> str:
     """A value of a key's declared range: anywhere in it, near the default, or at one of its ends."""
     if isinstance(declared, Choice):
         return chance.choice(declared.options)
     if declared.unit in ("file", "column"):
         return "missing.mat" if declared.unit == "file" else chance.choice(("1", "2", "force"))
+    assert isinstance(declared, Range)
+    default = declared.default
     low, high = declared.lowest, declared.highest
     kind = chance.choice(("near", "near", "even", "decade", "end"))
     if kind == "near" and isinstance(default, float) and default:
@@ -98,9 +100,7 @@ def command_line(scenario: Scenario, number: int) -> list[str]:
     }
     chosen = chance.sample(sorted(keys), min(chance.choice((1, 1, 2, 3, 4)), len(keys)))
     drawn = (
-        f"{key}={value(chance, *keys[key])}"
-        for key in chosen
-        if not key.endswith(("_csv", "store"))
+        f"{key}={value(chance, keys[key])}" for key in chosen if not key.endswith(("_csv", "store"))
     )
     return ["--json", "-", *(f"--set={setting}" for setting in (*small, *drawn))]
 

@@ -337,7 +337,7 @@ def test_a_run_keeps_the_contract(name: str, tmp_path: Path, capsys: pytest.Capt
     target = tmp_path / "results.json"
     picture = tmp_path / "picture.png"
     quick = settings(promise.quick)
-    defaults = {key: default for key, (_, default) in scenario(name).keys().items()}
+    defaults = {key: found.default for key, found in scenario(name).keys().items()}
     named = [f"--set={key}={default}" for key, default in defaults.items() if default is not None]
     plot = ["--plot", str(picture)] if scenario(name).plot is not None else []
     assert main(scenario(name), [*named, *quick, "--json", str(target), *plot]) == 0
@@ -498,10 +498,10 @@ def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.Capture
         }
 
     base = computed(asked(name, *cheap)[2])
-    for key, (found, default) in keys.items():
+    for key, found in keys.items():
         if key in ("force_csv", "data"):  # test_dissertation_scripts.py, test_measured_impacts.py
             continue
-        for value in other_values(found, default):
+        for value in other_values(found, found.default):
             status = main(scenario(name), ["--json", "-", *cheap, "--set", f"{key}={value}"])
             out, err = capsys.readouterr()
             if f"{key} = " in err if status == 2 else computed(parsed(out)) != base:
@@ -578,7 +578,7 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
     idle = dataclasses.replace(
         scenario(name), run=functools.wraps(scenario(name).run)(lambda **_: pytest.fail("ran"))
     )
-    for key, (found, _) in idle.keys().items():
+    for key, found in idle.keys().items():
         for text in bad_texts(found):
             assert main(idle, ["--json", "-", "--set", f"{key}={text}"]) == 2
             out, err = capsys.readouterr()

@@ -76,7 +76,7 @@ class TestInertia:
             mechanism = scene.mechanism
             step = scene.step
 
-            def without(length: float, count: int, act=None) -> list[float]:
+            def without(length: float, count: int, act=None, **options) -> list[float]:
                 def push() -> None:
                     if act is not None:
                         act()
@@ -85,7 +85,7 @@ class TestInertia:
                         0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
                     )
 
-                return step(length, count, push)
+                return step(length, count, push, **options)
 
             scene.step = without
 

@@ -142,6 +142,13 @@ class TestLimits:
         assert run.stop_reason is StopReason.STEP_BUDGET
         assert 0 <= run.cost.steps - budget <= 100 * sum(CLOSE.counts)
 
+    @pytest.mark.parametrize("accuracy", [0.1, 0.03])
+    def test_a_coarse_pass_is_cheaper_than_one_of_the_usual_accuracy(self, accuracy: float) -> None:
+        """The bar is touched and left at once, also where the attempted intervals are shortest."""
+        coarse = simulate(TOOL, Settings(accuracy=accuracy), stop_after="strike")
+        assert coarse.stop_reason == "requested event"
+        assert coarse.cost.steps < simulate(TOOL, stop_after="strike").cost.steps
+
     def test_bar_friction_that_locks_ends_in_a_jam(self) -> None:
         run = simulate(replace(TOOL, bar=replace(TOOL.bar, friction=20.0)))
         assert run.stop_reason == "jam"

@@ -17,7 +17,7 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.pass_invariants import invariant_rows
 from bristle_sim.studies.whole_pass import whole_pass
-from bristle_sim.theory import impact as impact_law
+from bristle_sim.theory import impact_phases
 from bristle_sim.trajectory import Trajectory
 
 SETTINGS = Settings()
@@ -137,12 +137,13 @@ class TestInvariants:
 
     def test_the_scenario_fails_with_a_wrong_law(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """A law that takes e* for another: the whole pass says so without the reference."""
-        right = impact_law.energetic_impact
+        right = impact_phases.resolve_phases
 
-        def wrong(inverse_mass, velocity, friction, restitution, *others):  # type: ignore[no-untyped-def]
-            return right(inverse_mass, velocity, friction, 0.9 * restitution, *others)
+        def wrong(*numbers):  # type: ignore[no-untyped-def]
+            *before, restitution, friction, stick = numbers
+            return right(*before, 0.9 * restitution, friction, stick)
 
-        monkeypatch.setattr("bristle_sim.scene.impacts.energetic_impact", wrong)
+        monkeypatch.setattr("bristle_sim.scene.impacts.resolve_phases", wrong)
         assert [
             each.name for each in whole_pass(Tool(), SETTINGS).quantities if each.ok is False
         ] == ["restitution_work_error"]
@@ -166,7 +167,7 @@ class TestInvariants:
         run = simulate(tool, settings, stop_after="workpart release")
         strike = run.first_contact("workpart")
         assert strike is not None
-        assert strike.outcome == "no rebound"
+        assert strike.outcome == "stiction"
         assert [row.name for row in invariant_rows(tool, settings, run) if row.ok is False] == []
 
 

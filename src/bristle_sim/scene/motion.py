@@ -159,10 +159,11 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     rigid = motion.rigid
     if rigid is not None and first and result.failed:
         # The shortest interval shows whether the force is gone from the beginning.
-        at_once = integrate_to(min(length, system.plan.shortest))
+        shortest = min(length, system.plan.shortest)
+        at_once = integrate_to(shortest)
         if rigid.fails(at_once.totals):
             result = at_once
-            length = system.plan.shortest
+            length = shortest
     if rigid is not None and (result.failed or first):
         slipping = rigid.breaks_away(result.totals)
         if slipping is not None or result.failed or min(rigid.normal(result.totals)) <= 0.0:
