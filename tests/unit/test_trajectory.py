@@ -149,8 +149,10 @@ def test_an_unknown_name_is_refused_with_the_likely_one(
     call = trajectory.first_contact if likely == "workpart" else trajectory.event_time
     with pytest.raises(
         ValueError, match=rf"^\w+ = '{name}': must be one of [^\n]*; did you mean {likely}\?$"
-    ):
+    ) as refusal:
         call(name)
+    names = str(refusal.value).partition("one of ")[2].partition(";")[0].split(" | ")
+    assert len(names) == len({*names})
 
 
 def test_every_stop_reason_has_a_remedy_and_is_saved(trajectory: Trajectory, tmp_path: Path):

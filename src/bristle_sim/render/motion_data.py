@@ -104,7 +104,7 @@ def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
         columns), where the last two axes and the one before are those of :func:`_states`; and the
         largest error, over the error that the page does not show.
     """
-    motion = Interpolation(run)
+    motion = Interpolation(run, run.contacts)
     last = int(np.searchsorted(run.time, run.time[np.searchsorted(run.time, end)], side="right"))
     time, first = np.unique(run.time[:last], return_index=True)
     states = _states(run)

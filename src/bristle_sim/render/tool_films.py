@@ -56,7 +56,7 @@ class ToolFilm(Film):
         super().__init__(warp, *size, (BLACK if self.single else colors[-1], BLACK))
         self.tool = tool
         self.story = tuple(story)
-        self._motions = [Interpolation(run) for run in runs]
+        self._motions = [Interpolation(run, run.contacts) for run in runs]
         courses = [motion.course(float(warp.physical[-1])) for motion in self._motions]
         self._past = courses[0]
         axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))

@@ -133,7 +133,7 @@ def until_radial(tool: Tool, run: BareRun) -> Trajectory | None:
         return None
     behind = np.flatnonzero(angle[: ahead[0]] < -least)
     sides = found.time[[behind[-1], ahead[0]]].tolist()
-    motion = Interpolation(found)
+    motion = Interpolation(found, found.contacts)
     return run(bare, brentq(lambda time: float(motion(time).relative_angle), *sides, xtol=1e-18))
 
 

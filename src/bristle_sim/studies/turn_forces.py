@@ -110,7 +110,7 @@ def _weighed(
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
     """Return all forces of bar and workpart on a rigid bristle in one revolution, in order of time."""
-    motion = Interpolation(run)
+    motion = Interpolation(run, run.contacts)
 
     def normal_force(time: Array) -> Array:
         """Return the normal force of sustained contacts at instants, N."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -15,8 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.declared import Range
-from bristle_sim.trajectory.recorded_run import RecordedRun
-from bristle_sim.trajectory.records import SAMPLED, Motion
+from bristle_sim.trajectory.records import SAMPLED, ContactRecord, Motion
 from bristle_sim.units import shown
 
 Pieces = list[tuple[int, int]]
@@ -57,7 +57,7 @@ class Interpolation:
         ValueError: for a run whose samples all have the same instant.
     """
 
-    def __init__(self, run: RecordedRun) -> None:
+    def __init__(self, run: Motion, contacts: Sequence[ContactRecord]) -> None:
         from scipy.interpolate import CubicSpline
 
         self.run = run
@@ -69,7 +69,7 @@ class Interpolation:
             axis=1,
         )
         ends = set[int]()
-        lasting = [contact for contact in run.contacts if contact.duration]
+        lasting = [contact for contact in contacts if contact.duration]
         for contact in lasting:
             instants = (contact.time, contact.time + contact.duration)
             begin, last = (int(np.abs(run.time - each).argmin()) for each in instants)

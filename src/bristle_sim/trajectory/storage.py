@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from bristle_sim.files import complete_or_absent, named_path
 from bristle_sim.settings import StopReason
-from bristle_sim.trajectory.recorded_run import RecordedRun
 from bristle_sim.trajectory.records import (
     SAMPLED,
     ContactHistory,
@@ -43,8 +42,8 @@ PLAIN = ("hub_speed", "parameters", "stop_detail")
 a contact's history."""
 
 
-def write(run: RecordedRun, path: str | Path) -> None:
-    """Write a run to one npz file with exactly the given name; no suffix is added.
+def write(run: Any, path: str | Path) -> None:
+    """Write a trajectory to one npz file with exactly the given name; no suffix is added.
 
     The file appears only when it is complete.
 

@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from bristle_sim.declared import Choice
 from bristle_sim.files import named_path
+from bristle_sim.parameters import PARTS, Tool
+from bristle_sim.settings import ABSENCES, EVENTS, OBSTACLE, StopReason
 from bristle_sim.trajectory.interpolation import Interpolation
 from bristle_sim.trajectory.pictures import Html, drawn_by
-from bristle_sim.trajectory.recorded_run import RecordedRun
-from bristle_sim.trajectory.records import Motion
+from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion
 from bristle_sim.trajectory.storage import read, write
-from bristle_sim.trajectory.tables import summary, to_dataframe, to_xarray
+from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# ratio of error estimate to requested accuracy above which the run reports the excess
+EXCESS_SAID = 100.0
+# least notable extreme of the motion relative to the hub, as a fraction of the run's largest value
+NOTABLE = 0.01
+
+EVENTS_SHOWN = 6  # largest number of events in a summary
+
+# Largest distance of a touch from a corner of the wire up to which the corner counts as touched, as
+# a fraction of the length of the straight segment.
+CORNER_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Trajectory(RecordedRun):
+class Trajectory(Motion):
     """The result of a run: the motion of one bristle at n samples, its events and its contacts, in
     SI units and radians.
 
@@ -40,6 +55,192 @@ class Trajectory(RecordedRun):
             empty.
     """
 
+    events: tuple[Event, ...]
+    contacts: tuple[ContactRecord, ...]
+    stop_reason: StopReason
+    cost: Cost
+    parameters: dict[str, Any] = field(default_factory=dict)
+    stop_detail: str = ""
+
+    def event_time(
+        self, name: str, *, last: bool = False, before: float = math.inf
+    ) -> float | None:
+        """Return the time of the first or the last event of a name, s; None if there is no such
+        event.
+
+        Args:
+            name: name of the event.
+            last: whether to return the last event instead of the first.
+            before: latest time of the events considered, s.
+
+        Raises:
+            ValueError: if no event can have this name.
+        """
+        recorded = [event.name for event in self.events]
+        known = dict.fromkeys((*EVENTS, *ABSENCES, *recorded))
+        Choice("name", options=tuple(known)).check(name)
+        times = [event.time for event in self.events if event.name == name and event.time <= before]
+        return (times[-1] if last else times[0]) if times else None
+
+    @property
+    def notable_events(self) -> tuple[Event, ...]:
+        """All events, except extremes of the motion relative to the hub below 1 % of the run's
+        largest.
+
+        Small extremes are, for example, those of a bent wire carried by the hub, which swings by a
+        tenth of a degree before it meets the bar.
+        """
+        sizes = {
+            "largest retraction": abs(self.relative_angle),
+            "highest relative speed": abs(self.relative_rate),
+        }
+        notable = []
+        for event in self.events:
+            size = sizes.get(event.name)
+            if size is None or np.interp(event.time, self.time, size) >= NOTABLE * size.max():
+                notable.append(event)
+        return tuple(notable)
+
+    @property
+    def stop_advice(self) -> str:
+        """Advice on how to avoid the stop of the run. It names the friction parameter of the
+        obstacle touched last.
+        """
+        at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
+        return self.stop_detail or self.stop_reason.remedy.format(
+            friction="bar_friction" if at_bar else "friction"
+        )
+
+    @property
+    def accuracy_not_reached(self) -> str:
+        """A warning if the error estimate exceeds the requested accuracy more than a hundredfold;
+        otherwise empty.
+
+        The warning states the remedy. It begins with "accuracy not reached", unless the estimate is
+        valid only for the first part of the run: chatter, or a touch slower than the error, ends
+        its validity.
+        """
+        estimate = self.cost.error_estimate
+        requested = self.parameters.get("settings", {}).get("accuracy")
+        if not estimate or not requested or estimate <= EXCESS_SAID * requested:
+            return ""
+        ratio = (
+            f"{estimate / requested:.0f}"
+            if estimate < 1e6 * requested
+            else f"{estimate / requested:.0e}"
+        )
+        start = "accuracy not reached: " if self.cost.holds_until is None else ""
+        return (
+            f"{start}error estimate {estimate:.1g}, {ratio} times the requested accuracy {requested:g};"
+            " request a smaller accuracy"
+        )
+
+    def first_contact(self, obstacle: str) -> ContactRecord | None:
+        """Return the first contact with an obstacle, or None without one.
+
+        ``obstacle`` is ``bar``, ``workpart`` or ``wire``.
+
+        Raises:
+            ValueError: for any other obstacle.
+        """
+        OBSTACLE.check(obstacle)
+        for each in self.contacts:
+            if each.obstacle == obstacle:
+                return each
+        return None
+
+    @property
+    def tool(self) -> Tool:
+        """The tool that was simulated.
+
+        Raises:
+            ValueError: if the recorded parameters do not describe a tool.
+        """
+        try:
+            parts = self.parameters["tool"]
+            built = {
+                name: None if parts[name] is None else kinds[0](**parts[name])
+                for name, kinds in PARTS.items()
+            }
+            return Tool(**{**parts, **built})
+        except (KeyError, TypeError) as error:
+            raise ValueError(
+                f"parameters: must describe the tool that was simulated ({error})"
+            ) from error
+
+    def with_places(self, tool: Tool) -> Trajectory:
+        """Return the trajectory after setting ``point`` and ``place`` in the records of its
+        contacts with bar and workpart, the part of the wire in contact and its position.
+
+        At the workpart it is the corner of the centre line nearest to the workpart's surface. At
+        the bar it is the point of the centre line nearest to the bar's centre.
+        """
+        contacts = list(self.contacts)
+        for number, contact in enumerate(self.contacts):
+            line = self.centre_line[int(abs(self.time - contact.time).argmin())]
+            if contact.obstacle == "workpart":
+                corner = 1 + int(abs(line[1:, 1] + tool.workpart_depth).argmin())
+                place = line[corner]
+            elif contact.obstacle == "bar" and tool.bar is not None:
+                pieces = np.diff(line, axis=0)
+                along = ((tool.bar.centre - line[:-1]) * pieces).sum(axis=1)
+                along = np.clip(along / (pieces**2).sum(axis=1), 0.0, 1.0)
+                points = line[:-1] + along[:, np.newaxis] * pieces
+                piece = int(np.linalg.norm(points - tool.bar.centre, axis=1).argmin())
+                place = points[piece]
+                near = np.array([along[piece], 1.0 - along[piece]]) <= CORNER_ROUNDING
+                corner = piece + int(near[1]) if near.any() else 0
+            else:
+                continue
+            name = "tip" if corner == len(line) - 1 else "knee" if corner else "flank"
+            x, y = place.tolist()
+            contacts[number] = dataclasses.replace(contact, point=name, place=(x, y))
+        return dataclasses.replace(self, contacts=tuple(contacts))
+
+    def course_in_words(self) -> list[str]:
+        """Return one line each for events, stop reason and cost of a self."""
+        notable = self.notable_events
+        events = ", ".join(
+            f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
+        )
+        more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
+        cost = self.cost
+        error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
+        if cost.holds_until is not None:
+            error += (
+                f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
+            )
+        return [
+            f"events: {events or 'none'}{more}",
+            f"stopped: {self.stop_reason}",
+            f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}",
+        ]
+
+    def __repr__(self) -> str:
+        """Return a text with one line each for samples, strike, events, stop reason and cost of a self.
+
+        If the accuracy was not reached, a further line states it.
+        """
+        first, last = (1e3 * float(instant) for instant in (self.time[0], self.time[-1]))
+        contact = self.first_contact("workpart")
+        strike = "none"
+        if contact is not None:
+            before, after = (
+                math.hypot(*velocity)
+                for velocity in (contact.velocity_before, contact.velocity_after)
+            )
+            speeds = (
+                f"{contact.point or 'tip'} speed {before:.4g} m/s before and {after:.4g} m/s after"
+            )
+            strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
+        lines = [
+            f"Trajectory: {self.time.size} samples from {first:.4g} to {last:.4g} ms",
+            f"strike: {strike}",
+            *self.course_in_words(),
+            self.accuracy_not_reached,
+        ]
+        return "\n".join(filter(None, lines))
+
     def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
         """Return the motion at one instant or several, interpolated between samples.
 
@@ -54,7 +255,7 @@ class Trajectory(RecordedRun):
             ValueError: for an instant outside the run, any other side, or a run whose samples all
                 have the same instant.
         """
-        return Interpolation(self)(time, side)
+        return Interpolation(self, self.contacts)(time, side)
 
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
         """Return the motion for drawing, at every sample and at equally spaced instants.
@@ -68,7 +269,7 @@ class Trajectory(RecordedRun):
         Raises:
             ValueError: if ``until`` is not after the start of the run.
         """
-        return Interpolation(self).course(until, points)
+        return Interpolation(self, self.contacts).course(until, points)
 
     def plot(self, *, until: float | None = None) -> Figure:
         """Return a figure of tool, tip path, retraction, speed and energy.
@@ -118,7 +319,6 @@ class Trajectory(RecordedRun):
     # Functions from the modules of storage and tables, as methods of a run.
     to_dataframe = to_dataframe
     to_xarray = to_xarray
-    __repr__ = summary
     save = write
 
     @classmethod
