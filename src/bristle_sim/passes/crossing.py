@@ -14,6 +14,8 @@ from bristle_sim.passes.state import Chosen
 
 MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
 
+MOST_STEPS = 10  # evaluations after which every second one halves the bracket
+
 ROOT_ERROR = 1e-13
 """Largest error of a root, over its bracket.
 
@@ -39,8 +41,9 @@ def root(
 ) -> Array:
     """Return a root in each bracket.
 
-    A step that would leave its bracket, or that is longer than half the step before the last, is
-    replaced by a halving of the bracket. The number of evaluations is therefore bounded.
+    A place outside its bracket is replaced by the bracket's middle. If the roots are not found
+    after a few evaluations, every second evaluation halves the bracket. The number of evaluations
+    is therefore bounded.
 
     Args:
         function_of: function that takes the indices of some brackets, and returns the function
@@ -51,49 +54,41 @@ def root(
         start: estimates of the roots.
         error: largest error of a root, over its bracket.
     """
-    found = start.copy()
+    numbers = np.arange(start.size)
     going = np.ones(start.size, dtype=bool)
-    numbers = np.arange(found.size)
+    found = start.copy()
     low, high = ends
     width = high - low
-    last, last_value = high, high_value
-    rises = last_value > 0.0
-    place = start
-    step = np.zeros(found.size)
-    moved = before = width
+    rises = high_value > 0.0
+    place, last, last_value = start, high, high_value
     function = function_of(numbers)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for _ in range(MOST_EVALUATIONS):
-            inside = (place > low) & (place < high) & (np.abs(step) <= 0.5 * before)
+        for count in range(MOST_EVALUATIONS):
+            inside = (place > low) & (place < high)
+            if count > MOST_STEPS and count % 2:
+                inside[:] = False
             place = np.where(inside, place, 0.5 * (low + high))
-            before, moved = moved, np.abs(place - last)
             value, slope = function(place)
-            if slope is None:
-                slope = (value - last_value) / (place - last)
-                step = value / slope
-                secant = moved
-            else:
-                step = value / slope
-                secant = np.abs(step)
+            secant = place - last
+            step = value / ((value - last_value) / secant if slope is None else slope)
+            if slope is not None:
+                secant = step
             last, last_value = place, value
             above = (value > 0.0) == rises
             low = np.where(above, low, place)
             high = np.where(above, place, high)
             place = place - step
             found[numbers[going]] = np.minimum(np.maximum(place, low), high)[going]
-            move = np.abs(step)
-            close = (move * secant < error * width**2) & (
-                np.maximum(move, secant) < LAST_MOVE * width
-            )
+            close = np.abs(step * secant) < error * width**2
+            close &= np.maximum(np.abs(step), np.abs(secant)) < LAST_MOVE * width
             going &= ~close & (high - low > 2.0 * ROOT_ROUNDING) & (value != 0.0)
             left = np.count_nonzero(going)
             if not left:
                 break
             if 2 * left < numbers.size:
-                numbers, rises = numbers[going], rises[going]
-                place, low, high, last, last_value, width, step, moved, before = (
+                numbers, rises, place, low, high, last, last_value, width = (
                     each[going]
-                    for each in (place, low, high, last, last_value, width, step, moved, before)
+                    for each in (numbers, rises, place, low, high, last, last_value, width)
                 )
                 going = going[going]
                 function = function_of(numbers)
