@@ -6,6 +6,6 @@ larger group advances next, and a pass changes its group at a touch and at a rel
 
 Modules in reading order: ``ensemble`` (the public function), ``request`` (the tools), ``state``
 (their dimensionless numbers), ``motion`` (flight), ``bar`` (kinematics at the bar), ``crossing``
-(roots), ``flight`` (a step up to a touch), ``slide`` (motion on the bar), ``run`` (a step and its
-consequences), ``strike`` (impact law and outcome), ``result``.
+(roots), ``flight`` (a step up to a touch), ``touch`` (impact on the bar and motion on it),
+``strike`` (impact law and outcome), ``result``.
 """

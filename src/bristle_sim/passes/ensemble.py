@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
+from bristle_sim.passes.flight import fly
 from bristle_sim.passes.request import Request, passes_of, request_of
 from bristle_sim.passes.result import QUANTITIES, Ensemble
-from bristle_sim.passes.run import advance, touch_bar
 from bristle_sim.passes.state import (
     BAR,
     FLIES,
@@ -24,6 +24,7 @@ from bristle_sim.passes.state import (
     joined,
 )
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED, strike
+from bristle_sim.passes.touch import touch_bar
 from bristle_sim.settings import Settings
 
 HUB_TURN = Settings().hub_turn
@@ -49,7 +50,7 @@ REASONS = {
 UNTOUCHED = "the wire does not touch the bar"
 OTHERWISE = "a change within the accuracy gives it another course or outcome"
 
-STEPS = {FLIES: advance, BAR: touch_bar}
+STEPS = {FLIES: fly, BAR: touch_bar}
 
 Columns = dict[str, NDArray[Any]]
 """Results of all passes of a request by name, and their outcomes, as codes, and reasons."""

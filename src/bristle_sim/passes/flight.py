@@ -23,7 +23,29 @@ from bristle_sim.passes.motion import (
     pose_of,
     step_length,
 )
-from bristle_sim.passes.state import BAR, FLIES, FOLDS, QUARTER_TURN, WORKPART, Chosen, Passes
+from bristle_sim.passes.state import (
+    BAR,
+    FLIES,
+    FOLDS,
+    MISSED,
+    QUARTER_TURN,
+    WORKPART,
+    Chosen,
+    Passes,
+)
+
+LOCAL_FRACTION = 1e-3
+"""Local tolerance of a step over the requested accuracy, as the errors of a thousand steps may add
+up.
+
+The length of a step depends only weakly on its tolerance."""
+
+MOST_TOLERANCE = 1e-9
+"""Largest local tolerance, as repeated impacts on the bar magnify errors a thousandfold.
+
+At the high order of the series a larger tolerance saves little time."""
+
+LEAST_TOLERANCE = 1e-14  # smallest local tolerance, the size of rounding error
 
 LEAST_BEND = 0.1
 """Distance of the wire's centre line from the bar's centre at a touch, over the bristle's length,
@@ -55,36 +77,36 @@ class Samples(NamedTuple):
     rate: Array
 
 
-def fly(passes: Passes, tolerance: float) -> tuple[Chosen, Array]:
-    """Advance every bristle in flight by one step, or to its first touch within the step.
-
-    Returns:
-        The code of each pass's state at the end of the step, and the smallest gap at which each
-        wire passed an obstacle without a touch, over the bristle's length.
+def fly(passes: Passes, accuracy: float) -> Chosen:
+    """Advance bristles in flight by one step, or to the first touch within the step, and return the
+    code of each pass's new state.
     """
+    tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)
     last_terms = np.abs(course.rate[-1]) * step ** (len(course.rate) - 1.0)
     passes.error += last_terms / passes.rate_scale
     samples = Samples(FRACTIONS * step, *course.sampled(step))
     place = step.copy()
-    kind = np.full(passes.size, FLIES)
-    margin = np.full(passes.size, np.inf)
+    code = np.full(passes.size, FLIES)
     for obstacle, chosen in ((WORKPART, low(passes, samples)), (BAR, near)):
-        leaving = (passes.touching > 0.0) & (obstacle == BAR)
-        closing, least = first_closing(obstacle, passes, course.motion, samples, chosen, leaving)
-        margin = np.minimum(margin, least)
-        kind[closing <= place] = obstacle
+        closing, margin = first_closing(obstacle, passes, course.motion, samples, chosen)
+        passes.error[margin < accuracy] = 1.0
+        code[closing <= place] = obstacle
         place = np.minimum(place, closing)
     folded = np.abs(samples.angle) > QUARTER_TURN
     if folded.any():
-        kind[(folded & (samples.turn <= place)).any(axis=0)] = FOLDS
-    note_retraction(passes, course.motion, samples, place)
-    passes.angle[:], passes.rate[:] = course.at(place)
-    np.minimum(passes.lowest, passes.angle, out=passes.lowest)
-    passes.hub_angle += place
+        code[(folded & (samples.turn <= place)).any(axis=0)] = FOLDS
+    move(passes, course.motion, samples, place)
     passes.touching *= place <= 0.0
-    return kind, margin
+    code[(code == FLIES) & (passes.hub_angle >= passes.end)] = MISSED
+    code[folds(passes)] = FOLDS
+    return code
+
+
+def folds(passes: Passes) -> Chosen:
+    """Return whether each wire is ahead by more than a quarter turn, or was ever behind by more."""
+    return np.maximum(passes.angle, -passes.lowest) > QUARTER_TURN
 
 
 def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chosen]:
@@ -143,7 +165,6 @@ def first_closing(
     motion: Motion,
     samples: Samples,
     chosen: Chosen,
-    leaving: Chosen,
 ) -> tuple[Array, Array]:
     """Find the instant in a turn of the hub at which each wire first touches an obstacle.
 
@@ -156,7 +177,6 @@ def first_closing(
         motion: motion of the wires.
         samples: motion at the ends of the segments.
         chosen: indices of the wires that may touch the obstacle.
-        leaving: whether the wire has just left the obstacle, so that the gap begins at zero.
 
     Returns:
         The turn of the hub up to the touch (rad), infinite without a touch. The smallest minimum of
@@ -177,7 +197,7 @@ def first_closing(
     turns, angles, rates = (each.take(chosen, axis=1) for each in samples)
     some = passes.take(chosen)
     gaps, rates = clearance(obstacle, some, pose_of(some.hub_angle + turns, angles, rates))
-    begins = leaving[chosen]
+    begins = (some.touching > 0.0) & (obstacle == BAR)
     way = FASTER * np.maximum(-rates[:-1], rates[1:]) * (turns[1:] - turns[:-1])
     candidate = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < way)
     candidate[0, begins] = False
@@ -251,11 +271,11 @@ def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
     return root(rate_of, (low, high), rates[1], low + least * width, MINIMUM_ERROR)
 
 
-def note_retraction(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None:
-    """Update the least relative angle of each pass by its first minimum before the turn ``place``.
+def move(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None:
+    """Advance each pass by the hub's turn ``place``, and update its least relative angle.
 
-    An angle falls below its value at the start of a segment by less than twice the fall at its rate
-    there.
+    The first minimum of the angle within the turn counts. An angle falls below its value at the
+    start of a segment by less than twice the fall at its rate there.
     """
     turn, angle, rate = samples
     turning = (rate[:-1] < 0.0) & (rate[1:] > 0.0) & (turn[:-1] < place)
@@ -266,3 +286,6 @@ def note_retraction(passes: Passes, motion: Motion, samples: Samples, place: Arr
         segment = np.array([each[part + BOTH_ENDS, number] for each in samples])
         at = np.minimum(_lowest(motion, number, segment), place[number])
         passes.lowest[number] = np.minimum(passes.lowest[number], motion(number)(at)[0])
+    passes.angle[:], passes.rate[:] = motion(np.arange(passes.size))(place)[:2]
+    np.minimum(passes.lowest, passes.angle, out=passes.lowest)
+    passes.hub_angle += place

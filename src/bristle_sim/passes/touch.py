@@ -1,0 +1,205 @@
+"""A touch of the bar: the impacts of many wires, and the motion of wires on the bar up to release.
+
+Geometry gives the motion of a wire that lies on the bar. It leaves the bar where the contact force
+falls to zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.passes.bar import Lying, flank_window, half_turn, levers, locks, lying
+from bristle_sim.passes.crossing import root
+from bristle_sim.passes.flight import (
+    BOTH_ENDS,
+    Samples,
+    first_closing,
+    folds,
+    low,
+    move,
+)
+from bristle_sim.passes.motion import FRACTIONS, Function, pose_of
+from bristle_sim.passes.state import (
+    BAR,
+    FLIES,
+    FOLDS,
+    LEAST,
+    LOCKED,
+    QUARTER_TURN,
+    TOO_MANY,
+    WORKPART,
+    Chosen,
+    Passes,
+)
+from bristle_sim.theory.impact_phases import JAM, resolve_phases
+
+LOWEST_REBOUND = 1e-10
+"""Height of a rebound from the bar, over the bristle's length, below which the wire stays on the
+bar."""
+
+MOST_TOUCHES = 3000  # most touches of the bar in a pass; a restitution near 1 gives endlessly many
+
+ROUNDING = 1e-15  # rounding error of an angle that follows from geometry, rad
+
+
+def touch_bar(passes: Passes, accuracy: float) -> Chosen:
+    """Resolve the impacts of wires on the bar, and return the code of each pass's new state.
+
+    A wire that stays on the bar is followed until it leaves the bar or the pass ends.
+    """
+    normal, tangential, approach, slip, side = levers(
+        passes, pose_of(passes.hub_angle, passes.angle, passes.rate)
+    )
+    friction, restitution = passes.bar_friction, passes.bar_restitution
+    inverse_mass = (normal * normal, normal * tangential, tangential * tangential)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        hit = resolve_phases(*inverse_mass, approach, slip, friction, restitution, friction)
+    passes.rate += normal * hit.impulse_normal + tangential * hit.impulse_tangential
+    passes.touches += 1.0
+    passes.touching[:] = 1.0
+    passes.release[:], passes.release_angle[:] = passes.hub_angle, passes.angle
+    ending = np.where(passes.touches > MOST_TOUCHES, TOO_MANY, FLIES)
+    ending[hit.outcome == JAM] = LOCKED
+
+    at_end = touch_at_end(passes, passes.hub_angle)
+    held = lying(passes, passes.hub_angle, side, at_end)
+    parting = np.maximum(hit.velocity_normal, 0.0)
+    pressed = np.abs(normal) * held.pressure
+    speed = np.maximum(-approach, LEAST)
+    # An error of the angle shifts the touch, and so changes the rate.
+    amplified = (1.0 + restitution) * np.abs(pressed) / (speed * passes.rate_scale)
+    passes.error[:] = np.minimum(passes.error * (1.0 + amplified), 1.0)  # 1: any uncertainty
+    # Without the bar the overlap would stay within the accuracy, and the gap would open again.
+    passes.error[approach**2 < -2.0 * pressed * accuracy] = 1.0
+    low = parting**2 < 2.0 * pressed * LOWEST_REBOUND
+    # Rebounds that begin with the speed v last 2 v/(a (1 - e)) in all, here twice that time.
+    lost = pressed * (1.0 - parting / speed)
+    lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
+    low |= comes_to_rest(passes, side, at_end, held.pressure, lasting)
+    stays = np.flatnonzero((ending == FLIES) & (pressed > 0.0) & low)
+    if stays.size:
+        some = passes.take(stays)
+        some.rate[:] = held.rate[stays]
+        ending[stays] = slide(some, side[stays])
+        some.error[some.error < 1.0] = ROUNDING
+        passes.put(stays, some)
+        ending[folds(passes)] = FOLDS
+    return ending
+
+
+def comes_to_rest(
+    passes: Passes, side: Array, at_end: Chosen, pressure: Array, lasting: Array
+) -> Chosen:
+    """Return whether each wire's rebounds from the bar die out while the wire is still pressed onto
+    the bar.
+
+    The wire then lies on the bar as if it had never rebounded. After the time ``lasting`` it must
+    touch with the same part, flank or end, and the pressure must have changed by less than a factor
+    of two.
+    """
+    ahead = passes.hub_angle + np.minimum(lasting, 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = lying(passes, ahead, side, at_end).pressure / pressure
+    same = touch_at_end(passes, ahead) == at_end
+    return np.asarray(same & (ratio > 0.5) & (ratio < 2.0) & (lasting < 1.0))
+
+
+def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
+    """Return whether a wire that lies on the bar at a given hub angle touches it with its end
+    rather than its flank.
+    """
+    return np.abs(half_turn(hub_angle - passes.bar_angle)) > flank_window(passes)
+
+
+def slide(passes: Passes, side: Array) -> Chosen:
+    """Advance wires that lie on the bar to the end of the contact, and return the code of each
+    pass's state there.
+    """
+    chi = half_turn(passes.hub_angle - passes.bar_angle)
+    flank = flank_window(passes)
+    ending = np.full(passes.size, BAR)
+    fresh = np.ones(passes.size, dtype=bool)
+    begin = passes.hub_angle - chi
+    for first, last, at_end in (
+        (chi, -flank, True),
+        (np.maximum(chi, -flank), flank, False),
+        (np.maximum(chi, flank), passes.window, True),
+    ):
+        going = np.flatnonzero((ending == BAR) & (first < last))
+        if going.size:
+            some = passes.take(going)
+            some.hub_angle[:] = (begin + first)[going]
+            ending[going] = _piece(some, (last - first)[going], side[going], at_end, fresh[going])
+            fresh[going] = False
+            passes.put(going, some)
+    return np.where(ending == BAR, FOLDS, ending)
+
+
+def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chosen) -> Chosen:
+    """Follow wires on the bar over a turn of the hub in which they touch with their flanks alone or
+    with their ends alone.
+
+    In one segment of the turn a pressure that falls to zero is assumed not to rise again.
+
+    Args:
+        passes: passes of the wires; their states advance.
+        length: turn of the hub, rad.
+        side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
+        at_end: whether the wires touch with their ends.
+        fresh: whether a wire begins here, where its pressure is known to be positive.
+
+    Returns:
+        The code of each pass's state, ``BAR`` for a contact that continues.
+    """
+    turns = FRACTIONS * length
+    found = lying(passes, passes.hub_angle + turns, side, at_end)
+    samples = Samples(turns, found.angle, found.rate)
+    stops = found.pressure <= 0.0
+    stops[0] &= ~fresh
+    folded = np.abs(found.angle) > QUARTER_TURN
+    jams = np.zeros_like(stops)
+    if passes.bar_friction.any():
+        jams = locks(passes, passes.hub_angle + turns, found.angle, found.rate)
+        jams &= found.pressure > 0.0
+    halts = stops | folded | jams
+    columns = np.arange(passes.size)
+    at = np.where(halts.any(axis=0), halts.argmax(axis=0), len(turns) - 1)
+    how = np.select(
+        [each[at, columns] for each in (jams, folded, stops)], [LOCKED, FOLDS, FLIES], BAR
+    )
+    place = turns[at, columns]
+
+    def lying_of(numbers: Chosen) -> Callable[[Array], Lying]:
+        some, own_side = passes.take(numbers), side[numbers]
+        return lambda turn: lying(some, some.hub_angle + turn, own_side, at_end)
+
+    released = np.flatnonzero((how == FLIES) & (at > 0))
+    if released.size:
+
+        def pressure_of(numbers: Chosen) -> Function:
+            lies = lying_of(released[numbers])
+            return lambda turn: (bounded_pressure(lies(turn)), None)
+
+        ends = at[released] - 1 + BOTH_ENDS
+        begin, end = turns[ends, released]
+        before, after = bounded_pressure(found)[ends, released]
+        guess = begin + (end - begin) * before / (before - after)
+        place[released] = root(pressure_of, (begin, end), after, guess)
+
+    strike, _ = first_closing(WORKPART, passes, lying_of, samples, low(passes, samples))
+    how[strike <= place] = WORKPART
+    place = np.minimum(place, strike)
+    move(passes, lying_of, samples, place)
+    passes.release[:] = passes.hub_angle
+    passes.release_angle[:] = passes.angle
+    return how
+
+
+def bounded_pressure(motion: Lying) -> Array:
+    """Return the pressure over the acceleration, which grows without bound where the wire points at
+    the bar's centre.
+    """
+    return motion.pressure / (1.0 + np.abs(motion.acceleration))
