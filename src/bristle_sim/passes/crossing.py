@@ -86,9 +86,9 @@ def root(
             if not left:
                 break
             if 2 * left < numbers.size:
-                numbers, rises, place, low, high, last, last_value, width = (
-                    each[going]
-                    for each in (numbers, rises, place, low, high, last, last_value, width)
+                numbers, rises = numbers[going], rises[going]
+                place, low, high, last, last_value, width = (
+                    each[going] for each in (place, low, high, last, last_value, width)
                 )
                 going = going[going]
                 function = function_of(numbers)
