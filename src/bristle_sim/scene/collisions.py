@@ -209,6 +209,7 @@ def propagate_error(
     snap = abs(slip - record.velocity_before[1])
     jams = pair.friction * abs(slip) >= abs(approach)
     undecided = snap > (0.0 if jams else error)
+    stays = record.velocity_after[0] <= system.slow
 
     def neighbour(off: float, late: float) -> ClosestApproach:
         """Return the closest approach of a neighbouring motion at a time after the touch."""
@@ -221,7 +222,8 @@ def propagate_error(
     for off in (error, -error):
         early = neighbour(off, 0.0)
         late = -early.gap / (early.velocity[0] or math.inf)
-        other = neighbour(off, late)
+        # Where the contact stays, its force undoes what the acceleration adds to a later approach.
+        other = early if stays else neighbour(off, late)
         # A jump is proportional to the speed of approach, of a single link also to 1/lever.
         jump = approach
         changed = other.velocity[0]
