@@ -52,6 +52,16 @@ def test_a_whole_pass(
     assert run.angles[-1, 0] == pytest.approx(exact.angles[-1, 0], abs=10.0 * ACCURACY)
 
 
+def test_a_wire_whose_tip_is_pressed_into_its_dent_again_and_again() -> None:
+    """With e* = 0 and two links each contact begins as the last one ends. None of them is rigid."""
+    tool = timed(2e-4, restitution=0.0).replace(wire_links=2, wire_damping_ratio=0.1)
+    run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY, hub_turn=1.9))
+    exact = simulate_reference(tool, accuracy=1e-8, hub_turn=1.9)
+    assert len(touches(run)) > 5
+    assert touches(run) == pytest.approx(touches(exact), abs=10.0 * ACCURACY * 1e-3)
+    assert run.angles[-1] == pytest.approx(exact.angles[-1], abs=10.0 * ACCURACY)
+
+
 @pytest.mark.parametrize("restitution", [0.42, 0.0])
 def test_a_run_that_ends_with_its_strike(restitution: float) -> None:
     """Both end when the contact of the strike is over, and record it."""

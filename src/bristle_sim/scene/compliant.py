@@ -81,6 +81,10 @@ class CompliantLaw(ContactLaw):
     name = "compliant"
     instantaneous: ClassVar[bool] = False
 
+    def __post_init__(self) -> None:
+        """Note whether the duration is given."""
+        self.finite_duration = self.duration is not None
+
     def spring(
         self, scene: Scene, state: State, pair: ContactPair, press: float = 0.0
     ) -> SpringContact | None:
@@ -139,7 +143,7 @@ class CompliantLaw(ContactLaw):
             pair=pair,
             duration=duration,
             predicted=rigid.outcome_name,
-            finite_duration=self.duration is not None,
+            finite_duration=self.finite_duration,
             stepper=Extrapolation(tolerance * fastest, repetitions, longest),
             surface=touch.gap,
             inverse_mass=point.inverse_mass,

@@ -176,13 +176,14 @@ def _contact_begun(
     """Return the motion after a touch that begins a contact with a spring or a contact at rest;
     None if the touch is an impact.
     """
+    law = system.law_of(pair)
     began = None
     if all(contact.pair is not pair for contact in motion.contacts):
-        if rests and not system.mechanism.single_link:
+        if rests and not (system.mechanism.single_link or law.finite_duration):
             # Coupled links would excite each other's small rebounds for ever: all touching links
             # come to rest together.
             began = ActiveContact(pair)
-        elif not system.law_of(pair).instantaneous and -system.approach(pair) > system.slow:
+        elif not law.instantaneous and -system.approach(pair) > system.slow:
             began = begin_spring(system, motion, pair)
     if began is None:
         return None

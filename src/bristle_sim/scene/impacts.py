@@ -37,10 +37,13 @@ class ContactLaw(ABC):
     Attributes:
         name: the law's name in contact records.
         instantaneous: whether its impacts take no time.
+        finite_duration: whether the user has given the duration of its contacts, so that the bodies
+            move noticeably in it.
     """
 
     name: ClassVar[str]
     instantaneous: ClassVar[bool] = True
+    finite_duration: bool = False
 
     @abstractmethod
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
