@@ -17,7 +17,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.pass_invariants import Points, complex_points
+from bristle_sim.studies.pass_invariants import X_Y, Points
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
 
@@ -100,9 +100,7 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
         """Return the distance of the two centre lines at instants, m."""
         within = np.maximum(time - delay, begin)  # before the start a bristle turns with the hub
         turned = np.exp(1j * lone.hub_speed * (time - delay - within))
-        return polyline_distance(
-            complex_points(lines(time)), complex_points(lines(within)) * turned[:, np.newaxis]
-        )
+        return polyline_distance(lines(time) @ X_Y, lines(within) @ X_Y * turned[:, np.newaxis])
 
     samples = np.concatenate([lone.time, lone.time + delay])
     inside = samples[(samples > begin) & (samples < until)]

@@ -21,6 +21,9 @@ from bristle_sim.trajectory import ContactRecord, Trajectory
 
 Points = NDArray[np.complex128]
 
+X_Y = np.array([1.0, 1j])
+"""Points (x, y) in the last axis of an array times X_Y are complex numbers x + i y."""
+
 # Ratio of the tolerance of an invariant to the requested accuracy: a squared rate doubles an error,
 # and the errors of two contacts and two flights add up.
 MAGNIFIED = 10.0
@@ -109,7 +112,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     inertia = bristle.inertia_about_root
     weight = bristle.mass * tool.gravity
     relative = run.relative_rate
-    root = complex_points(run.centre_line[:, 0])
+    root = run.centre_line[:, 0] @ X_Y
     arm = complex(*bristle.centre) * np.exp(1j * run.angles[:, 0])
     place = root + arm
     energy = 0.5 * inertia * relative**2 + 0.5 * tool.belt.stiffness * run.relative_angle**2
@@ -164,7 +167,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     A contact of requested duration enters the workpart, which is no error.
     """
     depths = [0.0]
-    lines = complex_points(run.centre_line)
+    lines = run.centre_line @ X_Y
     if tool.workpart is not None and tool.contact.duration is None:
         # joints between links may pass through the workpart
         corners = lines[:, 1:] if tool.bristle.links == 1 else lines[:, -1:]
@@ -190,17 +193,18 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
         since = strike.time - each.time
         if each.obstacle == "bar" and -near <= since <= each.duration + near:
             return {}
-    pushed = strike.impulse[0]
     errors = dict[str, float]()
     speed = math.hypot(*strike.velocity_before)
     if speed and tool.bristle.links == 1:
-        normal, point = contact_point(tool, strike)
+        assert strike.place is not None
+        normal, point = surface_point(tool, "workpart", complex(*strike.place))
         hub_angle = run.hub_angle[0] + run.hub_speed * strike.time
         arm = point + 1j * tool.hub.radius * np.exp(1j * hub_angle)
         spin = (np.conj(arm) * in_plane(normal, strike.impulse)).imag
         change = np.subtract(strike.velocity_after, strike.velocity_before)
         gain = 1j * arm * spin / tool.bristle.inertia_about_root
         errors["impulse_momentum_error"] = float(abs(in_plane(normal, change) - gain)) / speed
+    pushed = strike.impulse[0]
     compressive = pushed if strike.compressive_impulse is None else strike.compressive_impulse[0]
     cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
     errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / (pushed or 1.0)
@@ -210,13 +214,6 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
         second = strike.restitutive_work[0]
         errors["restitution_work_error"] = abs(second + part.restitution**2 * first) / abs(first)
     return errors
-
-
-def complex_points(points: Any) -> Points:
-    """Return points or vectors as complex numbers x + i y; the last axis of ``points`` holds x and
-    y.
-    """
-    return np.asarray(points @ np.array([1.0, 1j]))
 
 
 def in_plane(normal: Any, pair: Any) -> Any:
@@ -251,13 +248,8 @@ def surface_point(tool: Tool, obstacle: str, place: Any) -> tuple[Any, Any]:
     return normal, place - 0.5 * tool.bristle.wire_diameter * normal
 
 
-def contact_point(tool: Tool, contact: ContactRecord) -> tuple[complex, complex]:
-    """Return the obstacle's outward normal at the start of a contact, and the contact point."""
-    assert contact.place is not None
-    return surface_point(tool, contact.obstacle, complex(*contact.place))
-
-
 def impulse_moment(tool: Tool, contact: ContactRecord) -> float:
     """Return the moment of an impact's impulse about the hub's centre, N m s."""
-    normal, point = contact_point(tool, contact)
+    assert contact.place is not None
+    normal, point = surface_point(tool, contact.obstacle, complex(*contact.place))
     return float((np.conj(point) * in_plane(normal, contact.impulse)).imag)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.studies.pass_invariants import (
-    complex_points,
+    X_Y,
     impulse_moment,
     in_plane,
     nearest,
@@ -171,7 +171,7 @@ def _sustained(
     time = motion.run.time[first : last + 1]
     instants, weights = quadrature(time)
     at = motion(instants)
-    lines = complex_points(at.centre_line)
+    lines = at.centre_line @ X_Y
     part = tool.bar if contact.obstacle == "bar" else tool.workpart
     assert part is not None
     corner = 1 if contact.point == "knee" else -1
