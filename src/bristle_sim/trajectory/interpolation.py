@@ -176,58 +176,30 @@ class Interpolation:
         """Return values and slopes of the link angles and centre-line corners at instants, shape
         (2, instants, columns).
         """
-        chosen = self._chosen(instants, side)
+        from scipy.interpolate import KroghInterpolator
+
         time = self.run.time
-        both = zip(chosen.tolist(), instants.tolist(), strict=True)
-        windows = [_window(time, self._pieces[piece], instant) for piece, instant in both]
-        sizes = np.array([*map(len, windows)])
+        first, last = np.array(self._pieces)[self._chosen(instants, side)].T
+        low = np.clip(np.searchsorted(time, instants, side="right") - 1, first, last - 1)
         found = np.empty((2, instants.size, self._states.shape[2]))
-        for size in np.unique(sizes):
-            own = np.flatnonzero(sizes == size)
-            rows = np.array([windows[each] for each in own])
-            found[:, own] = _hermite(time[rows], self._states[rows], instants[own])
+        for each in np.unique(low):
+            own = np.flatnonzero(low == each)
+            rows = _window(time, (first[own[0]], last[own[0]]), each)
+            # of two nodes at one instant, the second belongs to the slope
+            states = self._states[rows].reshape(2 * len(rows), -1)
+            polynomial = KroghInterpolator(np.repeat(time[rows], 2), states)
+            found[:, own] = polynomial.derivatives(instants[own], 2)
         return found
 
 
-def _hermite(time: Array, states: Array, instants: Array) -> Array:
-    """Return the value and the slope of a Hermite polynomial at each instant, shape (2, instants,
-    columns).
+def _window(time: Array, piece: tuple[int, int], low: int) -> list[int]:
+    """Return the indices of the samples through which the polynomial of an interval passes.
 
-    Each instant has a polynomial of its own, computed by divided differences.
-
-    Args:
-        time: times of the samples of each polynomial, shape (instants, samples).
-        states: values and slopes of these samples, shape (instants, samples, 2, columns).
-        instants: the instants, shape (instants,).
-    """
-    nodes = np.repeat(time, 2, axis=1)
-    table = np.repeat(states[:, :, 0], 2, axis=1)
-    coefficients = [table[:, 0]]
-    for order in range(1, nodes.shape[1]):
-        step = (nodes[:, order:] - nodes[:, :-order])[..., np.newaxis]
-        difference = np.diff(table, axis=1)
-        if order == 1:  # the divided difference of a node and itself is the slope
-            difference[:, ::2], step[:, ::2] = states[:, :, 1], 1.0
-        table = difference / step
-        coefficients.append(table[:, 0])
-    value = coefficients[-1]
-    slope = np.zeros_like(coefficients[-1])
-    for node, coefficient in zip(nodes.T[-2::-1], coefficients[-2::-1], strict=True):
-        distance = (instants - node)[:, np.newaxis]
-        slope = slope * distance + value
-        value = value * distance + coefficient
-    return np.stack([value, slope])
-
-
-def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, ...]:
-    """Return the indices of the samples through which the polynomial for an instant passes.
-
-    ``piece`` is the smooth part of the run that contains the instant: its first and its last
-    sample. The samples lie on both sides of the instant, as far as this part has samples at
-    suitable distances.
+    ``piece`` is the smooth part of the run that contains the interval: its first and its last
+    sample. ``low`` is the interval's first sample. The samples lie on both sides of the interval,
+    as far as this part has samples at suitable distances.
     """
     first, last = piece
-    low = min(first + int(np.searchsorted(time[first : last + 1], instant, side="right")), last) - 1
     chosen = deque([low, low + 1])
     own = time[low + 1] - time[low]
     shortest = SHORTEST_DISTANCE * own
@@ -241,7 +213,7 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, .
             chosen.append(each)
         if len(chosen) >= MOST_SAMPLES:
             break
-    return tuple(chosen)
+    return list(chosen)
 
 
 def _smooth_pieces(time: Array, kinks: set[int]) -> Pieces:
