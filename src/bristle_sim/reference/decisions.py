@@ -58,7 +58,13 @@ def decide(system: System, state: State, new: Point | None = None) -> State:
     begun = [] if new is None or new in system.rigid else [_begun(system, state, new)]
     touching = [*system.sustained, *begun]
     points = [each.point for each in touching if not isinstance(each, Compliant)]
-    state = _low_rebounds_stopped(system, _impacts(system, state, points), points)
+    while points:  # the fastest approach first; an impact may cause another one
+        instant = system.at(state)
+        approaches = [instant.touch(point).velocity[0] for point in points]
+        if min(approaches) >= -system.still(state):
+            break
+        state = _hit(system, state, points[int(np.argmin(approaches))])
+    state = _low_rebounds_stopped(system, state, points)
     instant = system.at(state)
     still = system.still(state)
     resting = []
@@ -132,14 +138,14 @@ def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None
         lever = touch.along - float(instant.motion.joint[0].real)
         system.stiffness = frictionless_stiffness(lever**2 / inertia, surface.restitution, duration)
     else:
-        hit, _ = _impact(instant, touch, surface, 0.0)
+        hit, _ = _impact(instant, touch, surface)
         approach = float(touch.velocity[0])
         system.stiffness = stiffness_for_duration(hit, approach, surface.restitution, duration)
     return system.stiffness
 
 
 def _impact(
-    instant: Instant, touch: Touch, surface: Surface, compliance: float
+    instant: Instant, touch: Touch, surface: Surface, compliance: float = 0.0
 ) -> tuple[Impact, Array]:
     """Return an impact by the energetic law, and its effect on the rates of all links.
 
@@ -225,20 +231,6 @@ def end_compliant_contact(system: System, each: Compliant, state: State) -> Stat
     system.dents[each.point.piece] = system.at(state).touch(each.point).gap
     system.log.released(each.point, state.time)
     system.check_stop(state)
-    return state
-
-
-def _impacts(system: System, state: State, points: Sequence[Point]) -> State:
-    """Resolve the impacts at several points one by one, the fastest approach first.
-
-    An impact may cause another one. Raises ``Finished`` if the wires jam.
-    """
-    while points:
-        instant = system.at(state)
-        approaches = [instant.touch(point).velocity[0] for point in points]
-        if min(approaches) >= -system.still(state):
-            break
-        state = _hit(system, state, points[int(np.argmin(approaches))])
     return state
 
 

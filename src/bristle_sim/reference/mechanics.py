@@ -34,6 +34,9 @@ from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
 Complexes = NDArray[np.complex128]
 
+# Distance along the wire, over its length, within which a knee and the end of a link are one cut.
+CUT_ROUNDING = 1e-12
+
 
 class Pieces(NamedTuple):
     """The straight pieces of the wires' centre lines.
@@ -254,7 +257,7 @@ def _cut(bristle: Bristle) -> Pieces:
     stations = np.append(0.0, np.abs(sides).cumsum())
     borders = np.linspace(0.0, bristle.length, bristle.links + 1)
     cuts = np.union1d(stations, borders)
-    cuts = cuts[np.append(True, np.diff(cuts) > 1e-12 * bristle.length)]
+    cuts = cuts[np.append(True, np.diff(cuts) > CUT_ROUNDING * bristle.length)]
     lengths = np.diff(cuts)
     middles = cuts[:-1] + 0.5 * lengths
     links = np.searchsorted(borders, middles) - 1

@@ -9,6 +9,10 @@ import math
 
 from bristle_sim.theory.impact import Impact
 
+# Rounding error of a phase's change of velocity, over the velocities at its ends. With a smaller change
+# the phase is a motion at constant velocity.
+ROUNDING = 1e-12
+
 
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
     """Return the contact stiffness at which a frictionless contact lasts a given time.
@@ -66,7 +70,7 @@ def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) 
         forces = [math.sqrt(2.0 * stiffness * max(energy, 0.0)) for energy in (stored, left)]
         compliance = change / impulse
         velocities = (velocity, velocity + change)
-        if change <= 1e-12 * max(map(abs, velocities)):
+        if change <= ROUNDING * max(map(abs, velocities)):
             time += 2.0 * impulse / sum(forces) if any(forces) else 0.0
         else:
             impedance = math.sqrt(compliance / stiffness)

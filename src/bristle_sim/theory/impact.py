@@ -59,8 +59,6 @@ LEAST_COMPLIANCE = 1e-4
 Each swing of the tangential spring is a phase, and there are some 0.65/eta phases. Below this value
 the impact is a weighted mean of the rigid impact and the one at this value."""
 
-BLOCK = 1 << 13  # number of rigid impacts resolved together, so that their arrays fit the cache
-
 
 def energetic_impact(
     inverse_mass: ArrayLike,
@@ -266,7 +264,7 @@ def _row(end: End, squared: Number, values: Arguments) -> Impact:
     result is a mean of the rigid impact and the impact on springs. Without friction the tangential
     spring has no force, and the impact is rigid.
     """
-    impact = _rigid_row(end, values)
+    impact = resolve_phases(**values, end=end)
     rubs = (values["friction"] > 0.0) | (values["restitution_friction"] > 0.0)
     elastic = (squared > 0.0) & (values["normal"] < 0.0) & (values["k_nn"] > 0.0) & rubs
     if not elastic.any():
@@ -299,7 +297,7 @@ def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
         one = getattr(rigid, entry.name)
         other = getattr(springs, entry.name)
         factor = weight.reshape(weight.shape + (1,) * (one.ndim - 1))
-        means[entry.name] = np.where(factor < 1.0, one * (1.0 - factor) + other * factor, other)
+        means[entry.name] = one * (1.0 - factor) + other * factor
     loss = (springs.impulse_normal - rigid.impulse_normal) * (
         springs.velocity_normal - rigid.velocity_normal
     ) + (springs.impulse_tangential - rigid.impulse_tangential) * (
@@ -315,13 +313,3 @@ def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
     for name in ("slip_stop_impulse", "outcome"):
         means[name] = np.where(alone, getattr(springs, name), getattr(rigid, name))
     return Impact(**means)
-
-
-def _rigid_row(end: End, values: Arguments) -> Impact:
-    """Resolve a one-dimensional array of rigid impacts in blocks that fit the cache."""
-    parts = []
-    for start in range(0, max(values["normal"].size, 1), BLOCK):
-        block = {name: value[start : start + BLOCK] for name, value in values.items()}
-        parts.append(resolve_phases(**block, end=end))
-    columns = ([getattr(part, entry.name) for part in parts] for entry in fields(Impact))
-    return Impact(*map(np.concatenate, columns))

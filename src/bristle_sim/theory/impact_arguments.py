@@ -16,6 +16,10 @@ MOST_COMPLIANCE = (
     1e4  # largest tangential compliance eta^2: the impact then hardly feels the spring
 )
 
+ROUNDING = 1e-9
+"""Relative rounding error that is accepted in an inverse mass: the difference of its two couplings,
+and twice the excess of a coupling over the mean of the diagonal."""
+
 COEFFICIENTS = {
     "friction": (MOST_FRICTION, f"from 0 to {MOST_FRICTION:g} (dimensionless)"),
     "restitution": (1.0, "0 <= restitution <= 1 (dimensionless)"),
@@ -96,8 +100,8 @@ def _checked(
     finite = (abs(k_nn) <= most) & (abs(k_nt) <= most) & (abs(k_tn) <= most) & (abs(k_tt) <= most)
     # The product of the roots neither overflows nor underflows, unlike the root of the product.
     mean = abs(k_nn) ** 0.5 * abs(k_tt) ** 0.5
-    symmetric = abs(k_nt - k_tn) <= 1e-9 * mean
-    semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (abs(k_nt) <= mean * (1.0 + 5e-10))
+    symmetric = abs(k_nt - k_tn) <= ROUNDING * mean
+    semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (abs(k_nt) <= mean * (1.0 + 0.5 * ROUNDING))
     moves = (abs(normal) <= most) & (abs(tangential) <= most)
     rules = [
         ("inverse_mass", "finite (1/kg)", finite, matrix),

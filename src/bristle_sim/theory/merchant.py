@@ -90,6 +90,8 @@ class CuttingAngles:
         return self.resultant_ratio / np.cos(self.resultant_angle)
 
 
+ANGLE_ROUNDING = 1e-12  # rounding error of an angle, rad
+
 PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radians(25.0))
 """The dissertation's rounded angles, at a friction of 0.5 and an impact angle of 23.4 deg (Zhang
 2020, eqs. 4.36, 4.52)."""
@@ -124,7 +126,7 @@ def oblique_angles(
     shear = 0.5 * np.subtract(0.5 * math.pi, upright - gamma)
     angles = CuttingAngles(gamma + RAKE_OFFSET, RAKE_OFFSET + upright, shear)
     # The margin accepts mu = tan(gamma) itself, whatever the rounding of arccot.
-    buried = shear < gamma - 1e-12
+    buried = shear < gamma - ANGLE_ROUNDING
     if check and np.any(buried):
         worst, least = (
             float(np.broadcast_to(each, buried.shape)[buried][0])
