@@ -142,7 +142,7 @@ class Table:
 
         The first column is aligned to the left, all others to the right.
         """
-        return "\n".join([f"{self.title}:", *aligned([self.head, *self.rows], 1)])
+        return "\n".join([f"{self.title}:", *aligned([self.head, *self.rows], (0,))])
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,7 +231,7 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
     The column of differences names the source of the compared value.
     """
     for layout in LAYOUTS:
-        head, *lines = aligned(cells(quantities, *layout), 2)
+        head, *lines = aligned(cells(quantities, *layout), (0, 1))
         needed = max(map(len, [head, *lines]))
         if needed <= width:
             break

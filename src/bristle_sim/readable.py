@@ -3,7 +3,6 @@
 import math
 from collections.abc import Container, Sequence
 from decimal import Decimal
-from itertools import zip_longest
 
 WIDTH = 100  # largest width of a table, in characters
 
@@ -53,35 +52,26 @@ def amount(value: float, unit: str, digits: int = 3) -> str:
     return f"{plain_number(value / factor, digits)}{written}"
 
 
-def aligned(lines: Sequence[Sequence[str]], left: int) -> list[str]:
+def aligned(
+    rows: Sequence[Sequence[str]], left: Container[int], widths: Sequence[int] = ()
+) -> list[str]:
     """Return the rows of a table as lines of text with aligned columns.
 
-    The first ``left`` columns are aligned to the left, the others to the right.
-    """
-    columns = list(zip(*lines, strict=True))
-    return side_by_side(
-        columns, [max(map(len, column)) for column in columns], range(left, len(columns))
-    )
-
-
-def side_by_side(
-    columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()
-) -> list[str]:
-    """Return the lines of text that show columns side by side.
-
     Args:
-        columns: lines of each column; a short column is filled up with empty lines.
-        widths: width of each column, in characters.
-        right: indices of the columns that are aligned to the right.
+        rows: texts of each row.
+        left: indices of the columns that are aligned to the left; the others are aligned to the
+            right.
+        widths: width of each column, in characters; by default that of its longest text.
     """
+    widths = widths or [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
-    for parts in zip_longest(*columns, fillvalue=""):
-        padded = zip(parts, widths, strict=True)
-        shown = [
-            part.rjust(width) if i in right else part.ljust(width)
-            for i, (part, width) in enumerate(padded)
+    for row in rows:
+        cells = enumerate(zip(row, widths, strict=True))
+        padded = [
+            text.ljust(width) if place in left else text.rjust(width)
+            for place, (text, width) in cells
         ]
-        lines.append("  ".join(shown).rstrip())
+        lines.append("  ".join(padded).rstrip())
     return lines
 
 

@@ -70,7 +70,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     keys = [["key", *names], *(changed or [["no key differs", "", ""]])]
     quantities = [["quantity", "unit", *names, "difference"], *rows]
     answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
-    lines = [verdict, *answers, "", *aligned(keys, 1), "", *aligned(quantities, 2)]
+    lines = [verdict, *answers, "", *aligned(keys, (0,)), "", *aligned(quantities, (0, 1))]
     contents: dict[str, Content] = {"plot": plot, "report": page, "csv": csv_text(columns)}
     deliver(options, targets, contents, "\n".join(lines))
     return 0

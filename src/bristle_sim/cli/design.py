@@ -118,4 +118,4 @@ def _table(found: Design) -> list[str]:
         shown = ["-" if value is None else f"{round(value / size, 6):.6g}" for value in values]
         slopes = [f"{change / size:+.3g}" for change in changes]
         rows.append([each.label, "" if unit == "1" else unit, *shown, *slopes])
-    return aligned(rows, 2)
+    return aligned(rows, (0, 1))

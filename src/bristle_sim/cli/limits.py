@@ -44,7 +44,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     unit, size = declared.display
     rows = [[f"{key} ({unit})" if unit else key, "below", "above"]]
     rows += [[f"{each.at / size:.9g}", each.below, each.above] for each in changes]
-    table = ["", *aligned(rows, 0)] if changes else []
+    table = ["", *aligned(rows, ())] if changes else []
     deliver(options, targets, {"json": text}, "\n".join([answer, *table]))
     return 0
 

@@ -215,7 +215,7 @@ class Scenario:
             only = f"; only with {declared.needs}" if declared.needs else ""
             note = f"{declared.meaning}{only} (default: {declared.source})"
             texts.append((declared.displayed_range, note))
-        columns = aligned(heads, 3)
+        columns = aligned(heads, range(3))
         indent = 2 + max(map(len, columns))
         lines = []
         for head, (allowed, note) in zip(columns, texts, strict=True):

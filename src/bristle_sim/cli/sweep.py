@@ -188,7 +188,7 @@ def _rows(found: Swept, chosen: Sequence[str]) -> list[str]:
             columns.append(column)
         else:
             left_out.append(name)
-    lines = aligned([row for row in zip(*columns, strict=True) if any(row)], 0)
+    lines = aligned([row for row in zip(*columns, strict=True) if any(row)], ())
     return lines + _wrapped("further quantities, by --quantity or --csv", left_out)
 
 
@@ -232,4 +232,4 @@ def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
             where = ", ".join(axis.in_words(axis.values[i]) for axis, i in pairs)
             cells += [f"{quantity.values[place] / size + 0.0:.5g}", where]
         rows.append(cells)
-    return [f"lowest and highest, at {', '.join(found.axes)}:", *aligned(rows, 2)]
+    return [f"lowest and highest, at {', '.join(found.axes)}:", *aligned(rows, (0, 1))]

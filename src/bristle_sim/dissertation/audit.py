@@ -19,12 +19,13 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from itertools import zip_longest
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.declared import Declared
 from bristle_sim.dissertation.printed import Figure, Printed, printed_rows
 from bristle_sim.fields import choice
-from bristle_sim.readable import WIDTH, amount, side_by_side
+from bristle_sim.readable import WIDTH, aligned, amount
 
 REPRODUCED = "reproduced"
 DIFFERS = "differs"
@@ -180,9 +181,8 @@ def terminal_table(rows: Sequence[AuditRow]) -> str:
 
     def line(*cells: str) -> list[str]:
         """Return the text lines of one row of cells, each cell wrapped to its column."""
-        return side_by_side(
-            [textwrap.wrap(*each) for each in zip(cells, widths, strict=True)], widths, right=(1, 2)
-        )
+        wrapped = (textwrap.wrap(*each) for each in zip(cells, widths, strict=True))
+        return aligned(list(zip_longest(*wrapped, fillvalue="")), (0, 3, 4), widths)
 
     lines = [*line("where", "printed", "computed", "unit", "status"), "-" * WIDTH]
     for row in rows:

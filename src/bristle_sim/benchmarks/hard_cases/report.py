@@ -8,11 +8,12 @@ import logging
 import textwrap
 import time as clock
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 
 from bristle_sim.benchmarks.hard_cases import HardCaseChoice, contact, motion, strikes
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.readable import side_by_side
+from bristle_sim.readable import aligned
 
 TABLES = {
     theme.__name__: theme
@@ -115,7 +116,8 @@ WIDTHS = (30, 30, 31, 3)
 
 
 def _table(tried: Tried) -> list[str]:
-    lines = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100]
+    left = range(len(WIDTHS))
+    lines = [*aligned([("case", "promise", "reached", "ok")], left, WIDTHS), "-" * 100]
     for theme, cases in tried.items():
         lines.append(theme.replace("_", " "))
         for case, finding in cases:
@@ -125,5 +127,5 @@ def _table(tried: Tried) -> list[str]:
                 textwrap.wrap(finding.reached, 31),
                 ["yes" if finding.ok else "NO"],
             ]
-            lines += side_by_side(cells, WIDTHS)
+            lines += aligned(list(zip_longest(*cells, fillvalue="")), left, WIDTHS)
     return lines
