@@ -46,7 +46,7 @@ from bristle_sim.theory.impact_phases import (
     energetic_end,
     resolve_phases,
 )
-from bristle_sim.theory.numbers import numbers, quotient, select
+from bristle_sim.theory.numbers import quotient, select
 from bristle_sim.units import shown
 
 __all__ = [
@@ -145,9 +145,8 @@ def poisson_impact(
     >>> poisson_impact(np.eye(2), (-1.0, 0.0), 0.0, 0.5).impulse_normal
     1.5
     """
-    _require_rigid(tangential_compliance)
     coefficients = (friction, restitution, restitution_friction, stick_compliance)
-    return _resolve(_poisson_end, inverse_mass, velocity, *coefficients)
+    return _resolve(_poisson_end, inverse_mass, velocity, *coefficients, tangential_compliance)
 
 
 def newton_impact(
@@ -172,9 +171,8 @@ def newton_impact(
     >>> newton_impact(np.eye(2), (-2.0, 0.0), 0.3, 0.5).velocity_normal
     1.0
     """
-    _require_rigid(tangential_compliance)
     coefficients = (friction, restitution, restitution_friction, stick_compliance)
-    return _resolve(_newton_end, inverse_mass, velocity, *coefficients)
+    return _resolve(_newton_end, inverse_mass, velocity, *coefficients, tangential_compliance)
 
 
 LAWS: dict[str, Callable[..., Impact]] = {
@@ -196,13 +194,6 @@ def _newton_end(velocity: Number, compliance: Number, target: Target) -> Number:
     return quotient(select(target.velocity > velocity, target.velocity - velocity, 0.0), compliance)
 
 
-def _require_rigid(compliance: ArrayLike) -> None:
-    if np.any(numbers("tangential_compliance", compliance, "must be real numbers")):
-        raise ValueError(
-            f"tangential_compliance = {shown(compliance)}: must be 0 in this law (dimensionless)"
-        )
-
-
 def _resolve(
     end: End,
     inverse_mass: Any,
@@ -211,7 +202,7 @@ def _resolve(
     restitution: Any,
     restitution_friction: Any,
     stick_compliance: Any,
-    tangential_compliance: Any = 0.0,
+    tangential_compliance: Any,
 ) -> Impact:
     """Check the arguments and resolve the impacts, rigid or on springs.
 
@@ -229,6 +220,10 @@ def _resolve(
         return impact
     given["tangential_compliance"] = tangential_compliance
     values, shape = impacts_of(inverse_mass, velocity, given)
+    if end is not energetic_end and values["tangential_compliance"].any():
+        raise ValueError(
+            f"tangential_compliance = {shown(tangential_compliance)}: must be 0 in this law (dimensionless)"
+        )
     values = {name: value.ravel() for name, value in values.items()}
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         impact = _row(end, values.pop("tangential_compliance"), values)
