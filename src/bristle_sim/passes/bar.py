@@ -174,15 +174,15 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen | bool) 
     delta_1 = (passes.radius**2 - product * cosine) / square
     delta_2 = (0.5 - delta_1) * square_1 / square
     if at_end is True:
-        eta, eta_1, eta_2 = _held_at_end(passes, square, square_1, square_2)
+        eta, slope, bend = _held_at_end(passes, square)
     else:
-        eta, eta_1, eta_2 = _held_at_flank(passes, square, square_1, square_2)
+        eta, slope, bend = _held_at_flank(passes, square)
         if np.any(at_end):
-            ends = _held_at_end(passes, square, square_1, square_2)
-            eta, eta_1, eta_2 = np.where(at_end, ends, (eta, eta_1, eta_2))
+            ends = _held_at_end(passes, square)
+            eta, slope, bend = np.where(at_end, ends, (eta, slope, bend))
     angle = delta - side * eta - chi
-    rate = delta_1 - side * eta_1 - 1.0
-    acceleration = delta_2 - side * eta_2
+    rate = delta_1 - side * slope * square_1 - 1.0
+    acceleration = delta_2 - side * (bend * square_1**2 + slope * square_2)
     pressure = side * (free_acceleration(passes, hub_angle, angle, rate) - acceleration)
     return Lying(angle, rate, acceleration, pressure)
 
@@ -194,26 +194,25 @@ points at the bar's centre."""
 Turns = tuple[Array, Array, Array]
 
 
-def _held_at_flank(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
+def _held_at_flank(passes: Passes, square: Array) -> Turns:
     """Return the angle eta between a wire on its flank and the vector to the bar's centre, with its
-    two derivatives.
+    two derivatives with respect to ``square``, D^2.
 
-    sin eta = R/D; ``square``, ``square_1`` and ``square_2`` are D^2 and its two derivatives.
+    sin eta = R/D.
     """
     foot = np.maximum(square - passes.reach**2, LEAST_SQUARE)
-    factor = -0.5 * passes.reach / (square * np.sqrt(foot))
-    bent = square_2 - square_1**2 * (1.0 / square + 0.5 / foot)
-    return np.arctan2(passes.reach, np.sqrt(foot)), factor * square_1, factor * bent
+    slope = -0.5 * passes.reach / (square * np.sqrt(foot))
+    bend = -slope * (1.0 / square + 0.5 / foot)
+    return np.arctan2(passes.reach, np.sqrt(foot)), slope, bend
 
 
-def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array) -> Turns:
+def _held_at_end(passes: Passes, square: Array) -> Turns:
     """Return the angle between a wire whose end lies on the bar and the vector from the wire's root
-    to the bar's centre, with the angle's two derivatives.
+    to the bar's centre, with the angle's two derivatives with respect to ``square``, D^2.
 
     By the law of cosines the angle eta obeys cos eta = (D^2 + 1 - R^2)/(2 D), with the length 1 of
     the wire, the distance D of the bar's centre from the root, and the distance R of the wire's end
-    from the bar's centre. ``square``, ``square_1`` and ``square_2`` are D^2 and its two
-    derivatives.
+    from the bar's centre.
     """
     rest = 1.0 - passes.reach**2
     distance = np.sqrt(square)
@@ -221,11 +220,9 @@ def _held_at_end(passes: Passes, square: Array, square_1: Array, square_2: Array
     # not from the cosine, whose rounding error is large beside a small angle
     product = (passes.reach**2 - (distance - 1.0) ** 2) * ((distance + 1.0) ** 2 - passes.reach**2)
     sine = 0.5 * np.sqrt(np.maximum(product, LEAST_SQUARE)) / distance
-    slope = 0.25 * (square - rest) / (square * distance)
-    bend = 0.125 * (3.0 * rest - square) / (square**2 * distance)
-    eta_1 = -slope * square_1 / sine
-    eta_2 = -(bend * square_1**2 + slope * square_2 + cosine * eta_1**2) / sine
-    return np.arctan2(sine, cosine), eta_1, eta_2
+    slope = -0.25 * (square - rest) / (square * distance * sine)
+    curve = 0.125 * (3.0 * rest - square) / (square**2 * distance)
+    return np.arctan2(sine, cosine), slope, -(curve + cosine * slope**2) / sine
 
 
 def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:

@@ -22,11 +22,11 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.passes.state import Chosen, Passes
 
-ORDER = 24
+ORDER = 20
 """Order of the Taylor series.
 
-The search for touches in a step costs as much as 15 further terms. A high order with few steps is
-therefore cheaper."""
+The search for touches in a step costs as much as 15 terms. A high order with few steps is therefore
+cheaper, up to the order at which the sine's series bounds the step."""
 
 SAFETY = 0.9
 """Safety factor of the step: its length over the length at which the last terms of the series equal

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -99,12 +98,8 @@ class Ensemble(EqualByValue):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return the arrays of keys and results by name, all broadcast to the ensemble's shape."""
-        results = {
-            each.name: getattr(self, each.name)
-            for each in dataclasses.fields(self)
-            if each.name != "keys"
-        }
-        return {key: np.broadcast_to(each, self.shape) for key, each in self.keys.items()} | results
+        keys = {key: np.broadcast_to(each, self.shape) for key, each in self.keys.items()}
+        return keys | {name: getattr(self, name) for name in (*QUANTITIES, "outcome", "reason")}
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a DataFrame of keys and results, with one row for each pass.
