@@ -8,9 +8,8 @@ import pytest
 
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.pairs import wire_pairs
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.scene.tool import Units, tool_units, wire_hinges, wire_links
+from bristle_sim.scene.tool import Units, tool_units, wire_hinges, wire_links, wire_pairs
 from bristle_sim.settings import Settings
 
 SIZE = Units(0.027, 8.387e-5, 1.0)

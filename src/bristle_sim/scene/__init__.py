@@ -15,13 +15,13 @@ In reading order; a file imports only from files below it in this list:
 - ``locate``: the instant of an event, by a root finder; ``events``: the kinds of events, and the
   functions whose sign changes mark them.
 - ``system``: the state, the plan and the record of a run.
-- ``impacts``, ``compliant``: the contact laws.
+- ``impacts``: the response of a contact point to an impulse, and the impact laws; ``compliant``,
+  ``engine_law``: further contact laws.
 - ``spring``: a contact with springs; ``spring_force``: its forces on the bodies; ``contact``: any
   contact that lasts, and the forces of the rigid ones.
 - ``extrapolation``: engine steps extrapolated over an interval.
 - ``build``: the pymunk space of a mechanism.
 - ``solver``: joint and contact forces of several links, contact forces of a single link.
-- ``contact_point``: how impulses at a contact point change the links' rates; ``pairs``: the geometry
-  of a link and an obstacle that can touch; ``engine``: calls of the engine.
+- ``pairs``: the geometry of a link and an obstacle that can touch; ``engine``: calls of the engine.
 - ``mechanism``: chains of links.
 """

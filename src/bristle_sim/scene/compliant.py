@@ -14,11 +14,10 @@ from typing import ClassVar
 import numpy as np
 
 from bristle_sim.scene.build import Scene, damped_interval
-from bristle_sim.scene.contact_point import contact_at, contact_rows
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, impact_at
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, impact_at
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair, contact_rows
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration

@@ -14,7 +14,7 @@ from operator import mul
 from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_point import contact_at
+from bristle_sim.scene.impacts import contact_at
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ClosedPair, Closest
 from bristle_sim.trajectory import ContactRecord
@@ -213,21 +213,20 @@ class RigidContacts:
         found = list[float]()
         for each in zip(*self._solver.impulses, strict=True):
             pushes, rubs, slips = zip(*each, strict=True)
-            normal, along = map(_means, (pushes, rubs)) if self._paired else (pushes, rubs)
-            force = (
-                ([push for push in normal if push < 0.0] or normal)[-1] / self._step,
-                along[-1] / self._step,
-            )
-            found += [*force, sum(pushes), sum(rubs), 0.0, sum(map(mul, rubs, slips)), 0.0]
+            normal: Sequence[float] = pushes
+            tangential = rubs[-1]
+            if self._paired:
+                normal = [0.5 * sum(pair) for pair in zip(pushes[::2], pushes[1::2], strict=True)]
+                tangential = 0.5 * (rubs[-2] + tangential)
+            last = ([push for push in normal if push < 0.0] or normal)[-1]
+            work = sum(map(mul, rubs, slips))
+            force = (last / self._step, tangential / self._step)
+            found += [*force, sum(pushes), sum(rubs), 0.0, work, 0.0]
         return found
-
-    def normal(self, totals: Sequence[float]) -> Sequence[float]:
-        """Return the contacts' normal forces from the list that ``totals`` returns."""
-        return totals[: NUMBERS * len(self.closed) : NUMBERS]
 
     def fails(self, totals: Sequence[float]) -> bool:
         """Return whether a contact would have to pull to stay closed."""
-        return min(self.normal(totals)) <= 0.0
+        return min(totals[: NUMBERS * len(self.closed) : NUMBERS]) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
         """Return the friction limit of a contact minus the magnitude of its tangential force."""
@@ -308,10 +307,3 @@ def _a_moment_later(state: State) -> State:
     moved = zip(state.angles, state.rates, strict=True)
     angles = tuple([angle + MOMENT * rate for angle, rate in moved])
     return State(state.time + MOMENT, angles, state.rates)
-
-
-def _means(numbers: Sequence[float]) -> Sequence[float]:
-    """Return the mean of each pair of successive values: first and second, third and fourth, ..."""
-    return [
-        0.5 * (first + second) for first, second in zip(numbers[::2], numbers[1::2], strict=True)
-    ]

@@ -1,4 +1,4 @@
-"""Impact laws.
+"""Impact laws, and the response of a contact point to an impulse, on which they depend.
 
 An instantaneous law takes a scene, a state and a pair of bodies, and returns the state after the
 impact and the contact record. A law that simulates the contact over its duration
@@ -12,23 +12,88 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
-import pymunk
+import numpy as np
 
-from bristle_sim.scene.build import SHAPE_MARGIN, Scene
-from bristle_sim.scene.contact_point import ContactPoint, contact_at
-from bristle_sim.scene.mechanism import State, Vector, xy
-from bristle_sim.scene.pairs import ContactPair, WorkpartPair
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import Mechanism, State, Vector
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair, contact_rows
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.impact_phases import Impact, resolve_phases
 from bristle_sim.trajectory import ContactRecord
+
+ROUNDING = 64.0 * math.ulp(1.0)
+"""Ratio of a lever to the contact point's distance from the joint, and of the motion in stick to
+the motion by a normal impulse, below which it is rounding error: the point cannot move so."""
 
 CANCELS = 100.0
 """Ratio of the two terms of the change of v_t to v_t itself, above which the rates are computed
 from the motion of the contact point: two digits have cancelled there, as where a heavy link leaves
 a sticking contact point hardly any compliance."""
+
+
+class ContactPoint(NamedTuple):
+    """The response of a contact point, and of the links' rates, to an impulse at this point.
+
+    Attributes:
+        touch: closest approach of link and obstacle.
+        inverse_mass: contact-space inverse mass matrix K by rows, order (normal, tangential).
+        response: changes of the links' rates per unit normal impulse, and per unit tangential
+            impulse.
+        in_stick: changes of the links' rates per unit normal impulse while the point does not slip.
+        stick_compliance: change of the normal velocity per unit normal impulse while the point does
+            not slip; 0 if the point cannot move.
+    """
+
+    touch: ClosestApproach
+    inverse_mass: tuple[Vector, Vector]
+    response: Sequence[Sequence[float]]
+    in_stick: Sequence[float]
+    stick_compliance: float
+
+
+def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> ContactPoint:
+    """Return the closest approach of a pair in a state, and its response to an impulse there.
+
+    With the mass matrix M = L L^T and the Jacobian J of the contact velocities, K = J M^-1 J^T. The
+    motion in stick is the part of the normal's column of L^-1 J^T that is orthogonal to the
+    tangent's column. It is found by orthogonal factorization with the largest rows first, which
+    keeps the digits of the small rows of heavy links (Cox and Higham 1998).
+    """
+    touch = pair.closest(mechanism.poses(state), state.rates)
+    if mechanism.single_link:
+        both = 1j * touch.arm * touch.normal.conjugate()
+        lever = both.real
+        along = -both.imag if abs(both.imag) > ROUNDING * abs(touch.arm) else 0.0
+        inertia = mechanism.links[0].inertia_about_joint
+        turning = lever / inertia
+        rubbing = along / inertia
+        rows = ((lever * turning, lever * rubbing), (lever * rubbing, along * rubbing))
+        free = 0.0 if along else turning  # without tangential motion every impulse acts as in stick
+        return ContactPoint(touch, rows, ((turning,), (rubbing,)), (free,), lever * free)
+    turn = np.exp(1j * np.array(state.angles))
+    levers = np.concatenate(contact_rows(mechanism, turn, [pair], [touch]))
+    levers[1, abs(levers[1]) <= ROUNDING * np.hypot(*levers)] = 0.0
+    to_scaled = np.linalg.inv(np.linalg.cholesky(mechanism.mass_matrix(turn)))
+    columns = to_scaled @ levers.T
+    stick = columns[:, 0].copy()
+    if levers[1].any():
+        order = np.argsort(-abs(columns).max(axis=1))
+        basis, triangle = np.linalg.qr(columns[order, ::-1])
+        stick[order] = basis[:, 1] * triangle[1, 1]
+        if np.linalg.norm(stick) <= ROUNDING * np.linalg.norm(columns[:, 0]):
+            stick[:] = 0.0  # as of a straight chain, whose tip moves across it only
+    first, second = (columns.T @ columns).tolist()
+    return ContactPoint(
+        touch,
+        inverse_mass=(tuple(first), tuple(second)),
+        response=(columns.T @ to_scaled).tolist(),
+        in_stick=(stick @ to_scaled).tolist(),
+        stick_compliance=float(stick @ stick),
+    )
 
 
 class ContactLaw(ABC):
@@ -52,25 +117,6 @@ class ContactLaw(ABC):
         Returns:
             The state after the impact and the contact record, in engine units.
         """
-
-    def _after(
-        self, pair: ContactPair, before: State, rates: tuple[float, ...], **entries: Any
-    ) -> tuple[State, ContactRecord]:
-        """Return the state after an impact, with its new rates, and the contact record.
-
-        ``entries`` are the entries of the record that depend on the law.
-        """
-        after = State(before.time, before.angles, rates)
-        return after, ContactRecord(
-            obstacle=pair.name,
-            law=self.name,
-            time=before.time,
-            duration=0.0,
-            angles=before.angles,
-            rates_before=before.rates,
-            rates_after=after.rates,
-            **entries,
-        )
 
 
 @dataclass(frozen=True)
@@ -104,20 +150,26 @@ class EnergeticLaw(ContactLaw):
         if point.stick_compliance and parts > CANCELS * (abs(before[1]) + abs(velocity[1])):
             normal = point.in_stick
             rub = (velocity[1] - before[1]) / tangential
-        return self._after(
-            pair,
-            state,
-            tuple(
-                [a + push * b + rub * c for a, b, c in zip(state.rates, normal, along, strict=True)]
-            ),
+        compression: Any = tuple(map(float, impact.compressive_work))
+        restitution: Any = tuple(map(float, impact.restitutive_work))
+        changed = zip(state.rates, normal, along, strict=True)
+        rates = tuple([rate + push * by_push + rub * by_rub for rate, by_push, by_rub in changed])
+        return state._replace(rates=rates), ContactRecord(
+            obstacle=pair.name,
+            law=self.name,
+            time=state.time,
+            duration=0.0,
+            angles=state.angles,
+            rates_before=state.rates,
+            rates_after=rates,
             outcome=impact.outcome_name,
             impulse=impulse,
             compressive_impulse=(
                 impact.compressive_impulse_normal,
                 impact.compressive_impulse_tangential,
             ),
-            compressive_work=tuple(map(float, impact.compressive_work)),
-            restitutive_work=tuple(map(float, impact.restitutive_work)),
+            compressive_work=compression,
+            restitutive_work=restitution,
             velocity_before=before,
             velocity_after=velocity,
             phases=impact.phases,
@@ -159,81 +211,3 @@ def ending_together(point: ContactPoint, accuracy: float) -> Vector:
 
 
 ENERGETIC = EnergeticLaw()  # the law of all contacts except those with the workpart
-
-# length of the step in which the engine resolves an impact, scene time units; so short that the
-# effect of forces and motion in it is less than rounding error
-ENGINE_STEP = 1e-12
-# half width and half depth of the workpart's shape, in link lengths: beyond any mechanism's reach
-HALF_PLANE = 1e3
-ENGINE_ITERATIONS = 10  # iterations of the engine's solver in this step, the engine's default
-
-
-@dataclass(frozen=True)
-class EngineLaw(ContactLaw):
-    """The impact law of the physics engine, for comparison.
-
-    The engine iterates with Newton's coefficient of restitution, which is its ``elasticity``, and
-    limits the tangential impulse to the coefficient of friction times the accumulated normal
-    impulse. The law has no phases and only one coefficient of friction. It may increase the energy
-    of bodies that are joined in a chain.
-    """
-
-    name = "engine"
-
-    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Let the engine resolve an impact with the workpart, in a step so short that nothing else
-        happens in it.
-
-        The workpart's shape is larger than the workpart by ``SHAPE_MARGIN``; the link is not
-        enlarged, so the lever of friction is exact. The engine uses the pair's coefficients of
-        restitution and friction as elasticity and friction.
-
-        Returns:
-            The state after the impact and the contact record, in engine units.
-        """
-        assert isinstance(pair, WorkpartPair), "the bar has the energetic law"
-        scene.place(state)
-        mechanism = scene.mechanism
-        space = scene.space
-        link = mechanism.links[pair.link]
-        middle = -pair.depth - HALF_PLANE
-        face = ((-HALF_PLANE, middle), (HALF_PLANE, middle))
-        part = pymunk.Segment(space.static_body, *face, HALF_PLANE + SHAPE_MARGIN)
-        tip = pymunk.Circle(
-            scene.links[pair.link], 0.0, xy(link.corners[pair.corner] - link.centre)
-        )
-        tip.friction = tip.elasticity = 1.0
-        part.friction = pair.friction
-        part.elasticity = pair.restitution
-        impulses = [(0.0, 0.0)]
-
-        def note(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-            del space, data
-            impulses.append(arbiter.total_impulse)
-
-        space.add(part, tip)
-        space.on_collision(post_solve=note)
-        before = space.iterations
-        space.iterations = ENGINE_ITERATIONS
-        scene.step_alone(ENGINE_STEP)
-        space.iterations = before
-        space.on_collision()
-        space.remove(part, tip)
-        rub, push = impulses[-1]
-        rates = tuple(scene.rates())
-        after = mechanism.poses(state._replace(rates=rates))
-        velocity = pair.closest(after, rates).velocity
-        return self._after(
-            pair,
-            state,
-            rates,
-            outcome="rebound" if velocity[0] > 0.0 else "no rebound",
-            # The sign of the engine's impulse depends on the order of the shapes; a contact only
-            # pushes.
-            impulse=(push, rub) if push >= 0.0 else (-push, -rub),
-            compressive_impulse=None,
-            compressive_work=None,
-            restitutive_work=None,
-            velocity_before=pair.closest(mechanism.poses(state), state.rates).velocity,
-            velocity_after=velocity,
-        )

@@ -166,7 +166,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
             length = shortest
     if rigid is not None and (result.failed or first):
         slipping = rigid.breaks_away(result.totals)
-        if slipping is not None or result.failed or min(rigid.normal(result.totals)) <= 0.0:
+        if slipping is not None or rigid.fails(result.totals):
             return None, _lost(system, motion, result, length, slipping)
     if system.stepper.accepts(result, length):
         before = (motion.before or IntervalResult(start))._replace(state=start)
@@ -201,8 +201,11 @@ def _lost(
         # An interval of an instant shows whether the force is gone from the beginning.
         motion.limit = plan.instant
         return None
-    forces = motion.rigid.normal(result.totals)
-    lost = [contact for contact, force in zip(motion.ordered, forces, strict=True) if force <= 0.0]
+    lost = [
+        contact
+        for index, contact in enumerate(motion.ordered)
+        if sums_of(result.totals, index).normal <= 0.0
+    ]
     if lost:
         for contact in motion.ordered:
             if first and contact.stopped:

@@ -10,12 +10,15 @@ from __future__ import annotations
 import itertools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import ClassVar, NamedTuple
 
-from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector
 
 # largest difference between the gaps of two straight segments of a link that both count as
 # touching, over the link's length
@@ -81,12 +84,6 @@ def _nearest(point: complex, line: Line) -> complex:
     return end if along >= 1.0 else start + along * span
 
 
-def components(velocity: complex, normal: complex) -> Vector:
-    """Return the (normal, tangential) components of a velocity."""
-    turned = velocity * normal.conjugate()
-    return (turned.real, -turned.imag)
-
-
 SAME_FRICTION = property(attrgetter("friction"))
 """Coefficient of friction in restitution that equals the coefficient in compression."""
 
@@ -119,7 +116,8 @@ class FixedPair(ABC):
         for index, (start, end) in enumerate(self.lines(corners)):
             gap, point, normal = self.touch(start, end)
             arm = point - joint
-            velocity = components(carried + spin * arm, normal)
+            turned = (carried + spin * arm) * normal.conjugate()
+            velocity = (turned.real, -turned.imag)
             touches.append(ClosestApproach(gap, arm, normal, velocity, index))
         if piece is not None or len(touches) == 1:
             return touches[piece or 0]
@@ -148,8 +146,6 @@ class BarPair(FixedPair):
         partner: index of the other wire's link; None for a fixed obstacle.
         first_touch: name of the event of a first touch.
         dent: depth by which an earlier compliant contact has moved the surface back.
-        corner: index of the corner of the centre line that touches, 0 for the joint and -1 for the
-            tip; None where the contact slides along the link.
     """
 
     centre: complex
@@ -161,7 +157,6 @@ class BarPair(FixedPair):
     link: int = -1
     first_touch: ClassVar[str] = "bar touch"
     dent: float = 0.0
-    corner: ClassVar[None] = None
     restitution_friction = SAME_FRICTION
 
     def __post_init__(self) -> None:
@@ -228,7 +223,8 @@ class WorkpartPair(FixedPair):
     """The workpart, a half-plane y <= -depth, and a corner of the link's centre line: its tip, or a
     knee.
 
-    The attributes but ``depth`` are those of ``BarPair``.
+    The attributes but ``depth`` are those of ``BarPair``, and ``corner``, the index of the corner
+    that touches: -1 for the tip.
     """
 
     depth: float
@@ -277,7 +273,6 @@ class WirePair:
     name: ClassVar[str] = "wire"
     first_touch: ClassVar[str] = "wire touch"
     dent: float = 0.0
-    corner: ClassVar[None] = None
     restitution_friction = SAME_FRICTION
 
     def closest(
@@ -304,7 +299,9 @@ class WirePair:
         velocity -= partner.velocity + 1j * rates[self.partner] * partner_arm
         crossed = _on_two_sides(own, other) and _on_two_sides(other, own)
         gap = (-distance if crossed else distance) - 2.0 * self.wire_radius + self.dent
-        return ClosestApproach(gap, arm, normal, components(velocity, normal), piece, partner_arm)
+        velocity *= normal.conjugate()
+        components = (velocity.real, -velocity.imag)
+        return ClosestApproach(gap, arm, normal, components, piece, partner_arm)
 
 
 def _on_two_sides(line: Line, points: Line) -> bool:
@@ -321,15 +318,29 @@ Closest = Callable[[ContactPair, State], ClosestApproach]
 """Function that returns the closest approach of a pair in a state."""
 
 
-def wire_pairs(
-    mechanism: Mechanism, wire_radius: float, friction: float, restitution: float
-) -> Iterator[WirePair]:
-    """Yield a pair for every two straight segments of links of different wires."""
-    numbered = [
-        (link, piece)
-        for link, each in enumerate(mechanism.links)
-        for piece in range(len(each.corners) - 1)
-    ]
-    for (link, own), (partner, other) in itertools.combinations(numbered, 2):
-        if link // mechanism.wire_links != partner // mechanism.wire_links:
-            yield WirePair(link, own, partner, other, wire_radius, friction, restitution)
+def contact_rows(
+    mechanism: Mechanism,
+    turn: Complexes,
+    pairs: Sequence[ContactPair],
+    touches: Sequence[ClosestApproach],
+) -> tuple[Array, Array]:
+    """Return the Jacobians of the contacts' relative velocities, along the normals and along the
+    tangents, each of the shape (pairs, links).
+
+    ``turn`` is e^{i angle} of each link. The angular velocity of the touching link enters with the
+    arm from its joint to the contact point, that of a link nearer the root with the arm from its
+    joint to its tip. The lever of the normal n about the start of an arm r is Re(i conj(n) r), the
+    lever of the tangent -Im(i conj(n) r).
+    """
+    rows = np.zeros((len(pairs), len(turn)), complex)
+    for row, pair, touch in zip(rows, pairs, touches, strict=True):
+        across = 1j * touch.normal.conjugate()
+        for link, arm, factor in (
+            (pair.link, touch.arm, across),
+            (pair.partner, touch.partner_arm, -across),
+        ):
+            if link is not None and arm is not None:
+                carriers = slice(link - link % mechanism.wire_links, link)
+                row[carriers] += factor * mechanism.tips[carriers] * turn[carriers]
+                row[link] += factor * arm
+    return rows.real, -rows.imag

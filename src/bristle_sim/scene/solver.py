@@ -47,10 +47,9 @@ import pymunk
 from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact_point import contact_rows
 from bristle_sim.scene.engine import Placer
 from bristle_sim.scene.mechanism import Complexes, Mechanism, State
-from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, FixedPair
+from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, FixedPair, contact_rows
 
 # least singular value that counts, over the largest one; a smaller one is rounding error, because a
 # contact repeats the constraint of joints or other contacts

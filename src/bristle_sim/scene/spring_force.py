@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_point import contact_at
 from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Load
+from bristle_sim.scene.impacts import contact_at
 from bristle_sim.scene.mechanism import State, xy
 from bristle_sim.scene.spring import SpringContact
 

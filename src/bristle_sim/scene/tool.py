@@ -18,9 +18,10 @@ from bristle_sim.fields import count, quantity
 from bristle_sim.parameters import START, Bristle, Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw
+from bristle_sim.scene.engine_law import EngineLaw
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism
-from bristle_sim.scene.pairs import BarPair, ContactPair, WorkpartPair, wire_pairs
+from bristle_sim.scene.pairs import BarPair, ContactPair, WirePair, WorkpartPair
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
 SLOWEST_MOTION = 1e-100
@@ -223,6 +224,20 @@ def wire_hinges(
         shape = (bristle.mass, length, diameter, modulus, root_stiffness)
         damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
     return ((stiffness / units.energy, damping / units.angular_damping),) * (bristle.links - 1)
+
+
+def wire_pairs(
+    mechanism: Mechanism, wire_radius: float, friction: float, restitution: float
+) -> Iterator[WirePair]:
+    """Yield a pair for every two straight segments of links of different wires."""
+    numbered = [
+        (link, piece)
+        for link, each in enumerate(mechanism.links)
+        for piece in range(len(each.corners) - 1)
+    ]
+    for (link, own), (partner, other) in itertools.combinations(numbered, 2):
+        if link // mechanism.wire_links != partner // mechanism.wire_links:
+            yield WirePair(link, own, partner, other, wire_radius, friction, restitution)
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
