@@ -18,21 +18,18 @@ from bristle_sim.parameters import FIELDS, KEYS, Tool
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.units import exact_text, likely_key, shown
 
-ABSENT = "false"  # text that ``read_keys`` returns for an absent part
-
 MAY_BE_ABSENT = ("bar", "workpart")
 
 
-def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
-    """Return the keys and values of a parameter file as texts, as they would be typed on the
-    command line.
+def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, Any]:
+    """Return the keys and values of a parameter file; the values are not checked yet.
 
     Args:
         path: name of the file.
         further: keys that may be in the file besides the keys of the tool.
 
     Returns:
-        Value as text by key; for an absent part ``"false"`` by the part's name.
+        Value by key, a text or a number; for an absent part False by the part's name.
 
     Raises:
         ValueError: in one line, for a file that is not TOML, an unknown key, or a table.
@@ -46,7 +43,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path}: must be a TOML file ({error})") from error
     known = {*KEYS, *further}
-    typed = dict[str, str]()
+    typed = dict[str, Any]()
     for key, value in found.items():
         if isinstance(value, dict):
             raise ValueError(f"{path}: [{key}]: must have no tables, but one line for each key")
@@ -55,15 +52,9 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
                 raise ValueError(
                     f"{path}: {key} = {shown(value)}: must be false, where the tool has none"
                 )
-            typed[key] = ABSENT
-            continue
-        if key not in known:
+        elif key not in known:
             raise ValueError(f"{path}: unknown key {shown(key)}; {likely_key(key, known)}")
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise ValueError(
-                f"{path}: {key} = {shown(value)}: must be a number or a text with a unit"
-            )
-        typed[key] = value if isinstance(value, str) else repr(value)
+        typed[key] = value
     return typed
 
 
@@ -76,11 +67,11 @@ def read_tool(path: str | Path) -> Tool:
         OSError: for a file that cannot be read.
     """
     typed = read_keys(path)
-    absent = {part: None for part in MAY_BE_ABSENT if typed.get(part) == ABSENT}
+    absent = {part: None for part in MAY_BE_ABSENT if part in typed}
     idle = {*absent, *(each.key for part in absent for each in FIELDS[part].values())}
     try:
         return Tool().replace(
-            **absent, **{key: text for key, text in typed.items() if key not in idle}
+            **absent, **{key: value for key, value in typed.items() if key not in idle}
         )
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error

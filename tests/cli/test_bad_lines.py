@@ -54,7 +54,7 @@ REFUSED = [
     ("dissertation_audit --parameters none.toml", "--parameters"),
     ("cue_and_impact --parameters sped.toml", "sped.toml: unknown key 'hub_sped'; did you mean hub_speed?"),
     ("cue_and_impact --parameters bar.toml", "bar.toml: bar = false: must be present for cue_and_impact"),
-    ("cue_and_impact --parameters slow.toml", "slow.toml: hub_speed = '-1': must be"),
+    ("cue_and_impact --parameters slow.toml", "slow.toml: hub_speed = -1.0: must be"),
     *((f"dissertation_figures --only '{number}' --plot new", "2.24") for number in ("2.25", "", "4.18")),
     ("dissertation_figures --only 4.6 --plot f.png", "--plot = 'f.png': must be a folder, or a file name that ends in .pdf"),
     ("compare a.toml", "the following arguments are required: B.toml"),

@@ -176,21 +176,21 @@ class Scenario:
             raise ValueError(
                 f"{option} = {path!r}: must be a readable file ({error.strerror})"
             ) from error
-        for key, text in typed.items():
+        for key, given in typed.items():
             if key in MAY_BE_ABSENT:
                 if PARTS[key][0] in self.parts:
                     raise ValueError(f"{path}: {key} = false: must be present for {self.name}")
                 continue
             try:
-                value = (KEYS | keys)[key].read(text)
+                value = (KEYS | keys)[key].read(given)
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
             if key in (*SHAPE_KEYS, *CONTACT_KEYS) and value == KEYS[key].default:
                 continue  # for the tool's default the scenario keeps its own wire and law
             if key in keys:
-                assignments.append(f"{key}={text}")
+                assignments.append(f"{key}={given}")
             elif value != KEYS[key].default:
-                idle.append(f"{path}: {key} = {text} has no effect on {self.name}")
+                idle.append(f"{path}: {key} = {given} has no effect on {self.name}")
         return assignments, idle
 
     def built(self, values: Values) -> dict[str, Any]:
