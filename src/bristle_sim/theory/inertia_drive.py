@@ -11,7 +11,7 @@ the pulley's frame,
 is conserved. I is the bristle's inertia about its root, k the belt stiffness, g the centrifugal
 stiffness of ``cueing``. For any belt, the bristle is therefore radial again with alpha' = +omega.
 Its absolute rate is then 2 omega, and the speed of its tip is (2 L + r_h) omega. The energy gives
-the largest retraction, and a quadrature gives the time. Arguments are single numbers in SI units
+the largest retraction, and the quadrature of ``cueing`` the time. Arguments are single numbers in SI units
 and rad.
 """
 
@@ -19,16 +19,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
+from bristle_sim.theory.cueing import natural_rate, stiffened_cue_time, stiffened_highest_speed
 from bristle_sim.theory.numbers import require
 
 LEAST_SPEED = 1e-100  # least hub speed, rad/s; the energy at a smaller one would underflow
-
-_RULE = np.polynomial.legendre.leggauss(60)
-NODES = 0.25 * math.pi * (_RULE[0] + 1.0)
-WEIGHTS = 0.25 * math.pi * _RULE[1]
-"""Gauss-Legendre rule on (0, pi/2) for an analytic integrand, the time to the radial direction."""
 
 
 def largest_retraction(
@@ -61,13 +55,11 @@ def largest_retraction(
     )
     from scipy.optimize import brentq
 
-    energy = 0.5 * inertia * hub_speed**2
+    bristle = (stiffness, centrifugal, inertia)
 
     def excess(angle: float) -> float:
         """Return the potential energy at an angle over the initial kinetic energy, less 1."""
-        return (
-            0.5 * stiffness * angle**2 + 2.0 * centrifugal * math.sin(0.5 * angle) ** 2
-        ) / energy - 1.0
+        return float((stiffened_highest_speed(angle, *bristle) / hub_speed) ** 2) - 1.0
 
     flat = 0.5 * math.pi
     require(
@@ -78,24 +70,16 @@ def largest_retraction(
     )
     # The root is at least that of the parabola with the curvature at 0, since 1 - cos alpha grows
     # less than its parabola.
-    return float(
-        brentq(
-            excess,
-            0.9 * min(flat, math.sqrt(2.0 * energy / (stiffness + centrifugal))),
-            flat,
-            xtol=1e-16,
-        )
-    )
+    least = hub_speed / natural_rate(stiffness + centrifugal, inertia)
+    return float(brentq(excess, 0.9 * min(flat, least), flat, xtol=1e-16))
 
 
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
     """Return the time from the start of the belt's arc on the pulley to the radial direction, s.
 
-    Arguments and errors are those of ``largest_retraction``. With the largest retraction A, the
-    time is twice the integral of d alpha/alpha' from 0 to A. With alpha = A sin(u) the integrand is
-    finite at the turning point: d alpha/alpha' = du/sqrt(k/I + (2 g/I) [cos alpha - cos A]/(A cos
-    u)^2). The difference is computed as cos alpha - cos A = 2 sin((A + alpha)/2) sin((A -
-    alpha)/2), with A - alpha = A cos(u)^2/(1 + sin u).
+    Arguments and errors are those of ``largest_retraction``. The bristle takes as long to its largest
+    retraction as from there to the radial direction, which is the cue time of a bristle that is
+    released at this retraction.
 
     Without centrifugal stiffness it is half a period of the belt's spring, pi sqrt(I/k), here pi/2
     s:
@@ -104,7 +88,4 @@ def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_spe
     1.570796327
     """
     top = largest_retraction(inertia, stiffness, centrifugal, hub_speed)
-    sine = np.sin(NODES)
-    half = 0.5 * top * np.cos(NODES) ** 2 / (1.0 + sine)
-    field = np.sin(0.5 * top * (1.0 + sine)) * np.sinc(half / math.pi) / (top * (1.0 + sine))
-    return 2.0 * float(np.sum(WEIGHTS / np.sqrt((stiffness + 2.0 * centrifugal * field) / inertia)))
+    return 2.0 * float(stiffened_cue_time(top, stiffness, centrifugal, inertia))
