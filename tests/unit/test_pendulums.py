@@ -68,6 +68,15 @@ def test_tabulated_phases():
         )
 
 
+@pytest.mark.parametrize("angle", [0.0123, 0.3, 0.8, 1.2, 1.5])
+def test_a_single_pendulum_at_the_threshold_of_stiction_stays(angle):
+    """At mu = tan(gamma) itself no impulse can part the tip; sin(gamma) - mu cos(gamma) may round to more than 0."""
+    impact = single_pendulum_impact(1.0, 1.0, angle, -2.0, math.tan(angle), 0.5)
+    assert impact.outcome == "stiction"
+    assert impact.normal_final_impulse == impact.normal_compressive_impulse
+    assert (impact.final_rate, impact.rebound_ratio) == (0.0, 0.0)
+
+
 def test_stick_friction_of_identical_rods():
     first, second = PAIR["angle_1"], PAIR["angle_2"]
     c = math.cos(first - second)

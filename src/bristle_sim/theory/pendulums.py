@@ -29,13 +29,13 @@ Soc. Lond. A 431 (1990) 169-181.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from bristle_sim.theory.monofilament import LEAST_ANGLE
-from bristle_sim.theory.numbers import checked_numbers, require
+from bristle_sim.theory.impact_phases import NO_CONTACT
+from bristle_sim.theory.monofilament import monofilament_impact
+from bristle_sim.theory.numbers import checked_numbers
 from bristle_sim.theory.two_rods import RodImpact
 
 
@@ -84,6 +84,7 @@ def single_pendulum_impact(
 
     At gamma = 45 deg and mu = 0.6 the ratio is -e* sqrt(0.4/1.6) = -e*/2:
 
+    >>> import math
     >>> impact = single_pendulum_impact(1.0, 1.0, math.pi / 4.0, -2.0, 0.6, 0.5)
     >>> print(f"{impact.rebound_ratio:.6f} {impact.final_rate:.6f} {impact.outcome}")
     -0.250000 0.500000 rebound
@@ -91,21 +92,16 @@ def single_pendulum_impact(
     mass, length = checked_numbers(rod_mass=rod_mass, rod_length=rod_length)
     angle, rate = checked_numbers(impact_angle=impact_angle, rate=rate)
     mu, e = checked_numbers(friction=friction, restitution=restitution)
-    require(
-        "impact_angle", angle, angle >= LEAST_ANGLE, f"must be at least {LEAST_ANGLE:g} (in rad)"
+    # A bristle on a hub of radius 0, whose rate is positive where its tip approaches.
+    impact = monofilament_impact(mass, length, 0.0, -rate, 1.0, angle, mu, e)
+    final = rate if impact.outcome == NO_CONTACT else -float(impact.final_bristle_rate) + 0.0
+    return SinglePendulumImpact(
+        normal_compressive_impulse=float(impact.normal_compressive_impulse),
+        normal_final_impulse=float(impact.normal_final_impulse),
+        final_rate=final,
+        rebound_ratio=final / rate + 0.0 if rate else 1.0,
+        outcome=impact.outcome_name,
     )
-    if rate >= 0.0:
-        return SinglePendulumImpact(0.0, 0.0, rate, 1.0, "no contact")
-    compressing = math.sin(angle) + mu * math.cos(angle)
-    releasing = math.sin(angle) - mu * math.cos(angle)
-    compressive = -mass * length * rate / (3.0 * compressing)
-    if releasing <= 0.0 or e == 0.0:
-        return SinglePendulumImpact(
-            compressive, compressive, 0.0, 0.0, "stiction" if e > 0.0 else "no rebound"
-        )
-    ratio = -e * math.sqrt(releasing / compressing)
-    final = compressive + mass * length * ratio * rate / (3.0 * releasing)
-    return SinglePendulumImpact(compressive, final, ratio * rate, ratio, "rebound")
 
 
 @dataclass(frozen=True, slots=True)
