@@ -20,7 +20,6 @@ import math
 import sys
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import pymunk
@@ -35,7 +34,7 @@ from bristle_sim.contact_space.joints import (
     Vector,
     joint_rows,
     of_length_one,
-    point_entries,
+    relative_rows,
     scaled_columns,
     set_in_motion,
     span,
@@ -47,21 +46,6 @@ SINGULAR = 64.0 * sys.float_info.epsilon
 # Opening rate of a joint at its limit, over the speeds of the bodies, above which the joint opens.
 # A smaller rate is rounding error.
 OPENS = 1e-9
-
-
-class Limits(NamedTuple):
-    """The joints that are at a limit, and their impulses in an impact at the contact.
-
-    Attributes:
-        rows: Jacobian rows of the limits.
-        response: impulse of each limit per unit impulse at the contact, shape (limits, 2), in the
-            norm of the kinetic energy. The impulse of a limit must be >= 0.
-        sizes: lengths of the contact's own Jacobian rows in this norm, for comparison, shape (2,).
-    """
-
-    rows: list[JointRow]
-    response: Array
-    sizes: Array
 
 
 @dataclass(slots=True)
@@ -77,7 +61,10 @@ class ContactSpace:
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit
             tangential impulse, shape (3 * len(bodies), 2).
-        limits: the joints that are at a limit, which are treated as rigid; None without them.
+        limits: Jacobian rows of the joint limits that are reached, which are treated as rigid.
+        pushes: impulse of each limit per unit impulse at the contact, shape (limits, 2), in the norm
+            of the kinetic energy.
+        sizes: lengths of the contact's own Jacobian rows in this norm, for comparison, shape (2,).
     """
 
     inverse_mass: Array
@@ -85,19 +72,21 @@ class ContactSpace:
     stick_compliance: float
     bodies: Sequence[pymunk.Body]
     response: Array
-    limits: Limits | None
+    limits: Sequence[JointRow]
+    pushes: Array
+    sizes: Array
 
     def pulling_limit(self, impulse: Vector) -> JointRow | None:
         """Return the joint limit that would pull hardest in an impact of given impulse.
 
         A limit can only push. Return None if no limit pulls by more than rounding error.
         """
-        if self.limits is None:
+        if not self.limits:
             return None
-        rows, response, sizes = self.limits
-        pushes = response @ impulse
+        pushes = self.pushes @ impulse
         least = int(pushes.argmin())
-        return rows[least] if pushes[least] < -OPENS * (sizes @ np.abs(impulse)) else None
+        pulls = pushes[least] < -OPENS * (self.sizes @ np.abs(impulse))
+        return self.limits[least] if pulls else None
 
     def apply(self, impulse: Vector) -> None:
         """Change the velocities of all bodies by an impulse (normal, tangential) at the contact."""
@@ -149,18 +138,20 @@ def contact_space(
     else:
         in_stick = normal_part - slip * ((slip @ normal_part) / (slip @ slip))
     moves = math.sqrt(in_stick @ in_stick) > SINGULAR * sizes[0]
-    limits = None
-    if any(reached := [row.limit for row in rows]):
+    limits = [number for number, row in enumerate(rows) if row.limit]
+    pushes = np.empty((0, 2))
+    if limits:
         scaled, _ = of_length_one(columns[:, 2:])
-        impulses = np.asarray(np.linalg.lstsq(scaled, touch, rcond=DEPENDENT)[0], dtype=float)
-        limits = Limits([row for row in rows if row.limit], -impulses[reached], sizes)
+        pushes = -np.asarray(np.linalg.lstsq(scaled, touch, rcond=DEPENDENT)[0])[limits]
     return ContactSpace(
         inverse_mass=free.T @ free,
         velocity=velocity,
         stick_compliance=float(in_stick @ in_stick) if moves else 0.0,
         bodies=bodies,
         response=scale[:, None] * free,
-        limits=limits,
+        limits=[rows[number] for number in limits],
+        pushes=pushes,
+        sizes=sizes,
     )
 
 
@@ -174,13 +165,12 @@ def relative_motion(
         the order (normal, tangential); and this velocity, in the same order.
     """
     relative = -surface_velocity
-    entries = []
     for body, sign in zip(ends, (1.0, -1.0), strict=False):
         moving = lib.cpBodyGetVelocityAtWorldPoint(body._body, (point.real, point.imag))
         relative += sign * complex(moving.x, moving.y)
-        entries.append(point_entries(body, point, (normal, -1j * normal), sign))
     relative *= normal.conjugate()
-    return list(zip(*entries, strict=True)), (relative.real, -relative.imag)
+    rows = relative_rows([(body, point) for body in ends], (normal, -1j * normal))
+    return rows, (relative.real, -relative.imag)
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
@@ -188,10 +178,10 @@ def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
 
     The opening rate is compared with the speeds of the bodies in the norm of the kinetic energy.
     """
-    entries = [entry for entry in limit.entries if entry[0] in bodies]
     length = sum(
-        (x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in entries
+        (x * x + y * y) / body.mass + turn**2 / body.moment
+        for body, x, y, turn in limit.entries
+        if body in bodies
     )
-    excess, size = limit.excess()
     twice_energy = sum(each.kinetic_energy for each in bodies)  # m v^2 + I w^2, by the engine
-    return excess > OPENS * max(size, math.sqrt(length * twice_energy))
+    return limit.excess()[0] > OPENS * math.sqrt(length * twice_energy)

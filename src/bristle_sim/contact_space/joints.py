@@ -10,9 +10,9 @@ siblings).
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components
     groove            the same velocity across the groove; at its ends also along it
-    rotary limit, ratchet   w_b - w_a
-    gear              ratio w_b - w_a
-    motor             w_b - w_a = -rate
+    rotary limit, ratchet   w_a - w_b
+    gear              w_a - ratio w_b
+    motor             w_a - w_b = rate
 
 After the engine's step the joints open at some rate, because of the solver's tolerance and of the
 velocities that it adds to correct positions. With the mass matrix M and A = M^-1/2 J^T, the
@@ -76,19 +76,24 @@ class JointRow(NamedTuple):
         return value, size
 
 
-def point_entries(
-    body: pymunk.Body, point: complex, directions: Iterable[complex], sign: float
-) -> list[Entry]:
-    """Return the entries of one body in the Jacobian rows for the velocity of a contact or joint.
+def relative_rows(
+    ends: Iterable[tuple[pymunk.Body, complex]], directions: Sequence[complex]
+) -> list[tuple[Entry, ...]]:
+    """Return the Jacobian rows of a relative velocity along directions.
 
-    There is one row for the velocity of the world point along each direction. ``sign`` is 1 for the
-    first body and -1 for the other one.
+    ``ends`` holds the first body with the world coordinates of its point, and the body with the
+    point to which the velocity is relative.
     """
-    arm = point - world(body, body.center_of_gravity)
-    return [
-        (body, sign * each.real, sign * each.imag, sign * (arm.conjugate() * each).imag)
-        for each in directions
-    ]
+    entries = []
+    for (body, point), sign in zip(ends, (1.0, -1.0), strict=False):
+        arm = point - world(body, body.center_of_gravity)
+        entries.append(
+            [
+                (body, sign * each.real, sign * each.imag, sign * (arm.conjugate() * each).imag)
+                for each in directions
+            ]
+        )
+    return list(zip(*entries, strict=True))
 
 
 def world(body: pymunk.Body, place: tuple[float, float]) -> complex:
@@ -166,16 +171,25 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
         ends, guided = _anchored(joint)
     else:
         return _turning(joint)
-    directions = [each for each, _ in guided]
-    a = point_entries(joint.a, ends[0], directions, 1.0)
-    b = point_entries(joint.b, ends[1], directions, -1.0)
-    pairs = zip(a, b, guided, strict=True)
-    return [JointRow(joint, (one, other), 0.0, limit) for one, other, (_, limit) in pairs]
+    rows = relative_rows(zip((joint.a, joint.b), ends, strict=True), [each for each, _ in guided])
+    return [JointRow(joint, row, 0.0, limit) for row, (_, limit) in zip(rows, guided, strict=True)]
 
 
 Guided = tuple[tuple[complex, complex], list[tuple[complex, bool]]]
 """World coordinates of a joint's ends on its bodies, and the directions in which the end on body a
 does not move relative to the end on body b, each with True if it is a limit."""
+
+
+def _reached(value: float, least: float, most: float, margin: float) -> list[tuple[float, bool]]:
+    """Return the senses in which a coordinate cannot grow, 1 or -1, each with True if it is a limit.
+
+    A coordinate between its limits has none; one whose limits coincide is fixed.
+    """
+    if least >= most:
+        return [(1.0, False)]
+    if value >= most - margin:
+        return [(1.0, True)]
+    return [(-1.0, True)] if value <= least + margin else []
 
 
 def _anchored(joint: Any) -> Guided:
@@ -189,12 +203,10 @@ def _anchored(joint: Any) -> Guided:
     if distance == 0.0:
         return ends, []
     along = (ends[1] - ends[0]) / distance
-    if isinstance(joint, pymunk.PinJoint) or joint.min >= joint.max:
+    if isinstance(joint, pymunk.PinJoint):
         return ends, [(along, False)]
-    margin = REACHED * max(distance, joint.max)
-    if distance >= joint.max - margin:
-        return ends, [(along, True)]
-    return ends, [(-along, True)] if distance <= joint.min + margin else []
+    senses = _reached(distance, joint.min, joint.max, REACHED * max(distance, joint.max))
+    return ends, [(sense * along, limit) for sense, limit in senses]
 
 
 def _groove(joint: pymunk.GrooveJoint) -> Guided:
@@ -206,13 +218,10 @@ def _groove(joint: pymunk.GrooveJoint) -> Guided:
     groove = world(joint.a, joint.groove_b) - start
     length = abs(groove)
     along = groove / length
-    reached = (along.conjugate() * (anchor - start)).real
-    guided = [(1j * along, False)]
-    if reached <= REACHED * length:
-        guided.append((-along, True))
-    elif reached >= length * (1.0 - REACHED):
-        guided.append((along, True))
-    return (start + along * min(max(reached, 0.0), length), anchor), guided
+    place = (along.conjugate() * (anchor - start)).real
+    senses = _reached(place, 0.0, length, REACHED * length)
+    guided = [(1j * along, False), *[(sense * along, limit) for sense, limit in senses]]
+    return (start + along * min(max(place, 0.0), length), anchor), guided
 
 
 def _turning(joint: Any) -> list[JointRow]:
@@ -221,28 +230,26 @@ def _turning(joint: Any) -> list[JointRow]:
     b = joint.b
     angle = b.angle - a.angle
     margin = REACHED * max(1.0, abs(a.angle), abs(b.angle))
-
-    def row(
-        way: float = 1.0, ratio: float = 1.0, rate: float = 0.0, *, limit: bool = False
-    ) -> list[JointRow]:
-        """Return the row of the rate ``way`` times (``ratio`` w_b - w_a)."""
-        entries = (a, 0.0, 0.0, -way), (b, 0.0, 0.0, way * ratio)
-        return [JointRow(joint, entries, rate, limit)]
-
-    if isinstance(joint, pymunk.GearJoint):
-        return row(ratio=joint.ratio)
-    if isinstance(joint, pymunk.SimpleMotor):
-        return row(rate=-joint.rate)
-    if isinstance(joint, pymunk.RatchetJoint):
-        way = math.copysign(1.0, joint.ratchet)
-        return row(way, limit=True) if (angle - joint.angle) * way <= margin else []
-    if not isinstance(joint, pymunk.RotaryLimitJoint):
-        raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
-    if joint.min >= joint.max:
-        return row()
-    if angle >= joint.max - margin:
-        return row(-1.0, limit=True)
-    return row(limit=True) if angle <= joint.min + margin else []
+    ratio = 1.0
+    rate = 0.0
+    senses = [(1.0, False)]
+    match joint:
+        case pymunk.GearJoint():
+            ratio = joint.ratio
+        case pymunk.SimpleMotor():
+            rate = joint.rate
+        case pymunk.RatchetJoint():
+            way = math.copysign(1.0, joint.ratchet)
+            reached = _reached((angle - joint.angle) * way, 0.0, math.inf, margin)
+            senses = [(sense * way, limit) for sense, limit in reached]
+        case pymunk.RotaryLimitJoint():
+            senses = _reached(angle, joint.min, joint.max, margin)
+        case _:
+            raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
+    return [
+        JointRow(joint, ((a, 0.0, 0.0, sense), (b, 0.0, 0.0, -sense * ratio)), rate, limit)
+        for sense, limit in senses
+    ]
 
 
 def of_length_one(columns: Array) -> tuple[Array, Array]:
