@@ -28,6 +28,8 @@ ORDER = 20
 The search for touches in a step costs as much as 15 terms. A high order with few steps is therefore
 cheaper, up to the order at which the sine's series bounds the step."""
 
+DEGREES = np.arange(ORDER + 1.0)[:, np.newaxis]  # of the terms of a series
+
 SAFETY = 0.9
 """Safety factor of the step: its length over the length at which the last terms of the series equal
 the tolerance."""
@@ -40,7 +42,7 @@ could have more than one minimum in a segment of the step."""
 
 SEGMENT = 0.125  # longest segment of a step, over the step
 FRACTIONS = np.array([0.0, 0.03125, *np.arange(SEGMENT, 1.01, SEGMENT)])[:, np.newaxis]
-FRACTION_POWERS = FRACTIONS ** np.arange(ORDER + 1)
+FRACTION_POWERS = FRACTIONS**DEGREES.T
 """Ends of a step's segments, as fractions of the step, and the powers of these fractions.
 
 A gap is assumed to have at most one minimum in a segment. The first segment is shorter: a wire that
@@ -108,7 +110,7 @@ class Course(NamedTuple):
 
     def at(self, step: Array) -> tuple[Array, Array]:
         """Return the relative angle and rate after the hub has turned by ``step``, rad."""
-        powers = powers_of(step)
+        powers = step**DEGREES
         angle = np.einsum("kn,kn->n", self.angle, powers)
         return angle, np.einsum("kn,kn->n", self.rate, powers[:-1])
 
@@ -116,7 +118,7 @@ class Course(NamedTuple):
         """Return the relative angles and rates at the ends of the steps' segments, shape (segments
         + 1, passes).
         """
-        powers = powers_of(step)
+        powers = step**DEGREES
         angles = np.empty((len(FRACTIONS), step.size))
         rates = np.empty_like(angles)
         for start in range(0, step.size, ONE_THREAD):
@@ -128,19 +130,6 @@ class Course(NamedTuple):
                 out=rates[:, part],
             )
         return angles, rates
-
-
-def powers_of(step: Array) -> Array:
-    """Return the powers of each step with the exponents 0 to ORDER, shape (ORDER + 1, passes)."""
-    powers = np.empty((ORDER + 1, step.size))
-    powers[0] = 1.0
-    powers[1] = step
-    known = 2
-    while known <= ORDER:  # twice as many each time
-        more = powers[known : 2 * known - 1]
-        np.multiply(powers[1 : len(more) + 1], powers[known - 1], out=more)
-        known += len(more)
-    return powers
 
 
 def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
@@ -170,7 +159,7 @@ def course_of(passes: Passes) -> Course:
     rates = terms[1 : 1 + count]
     bent = terms[1 + count :].reshape(2, count, ORDER + 1, passes.size)
     turned = bent[::-1]
-    scales = 1.0 / np.arange(1.0, ORDER + 1.0)[:, np.newaxis, np.newaxis] * np.ones((len(terms), 1))
+    scales = 1.0 / DEGREES[1:, np.newaxis] * np.ones((len(terms), 1))
     scales[:, -count:] *= -1.0  # the derivative of a cosine
     terms[0, 0] = passes.angle
     rates[:, 0] = passes.rate

@@ -205,8 +205,10 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
         key: values.get(f"bar_{key}", nothing)
         for key in ("horizontal", "vertical", "radius", "friction", "restitution")
     }
-    distance = np.hypot(bar["horizontal"], bar["vertical"]) / length
-    bar_angle = np.arctan2(-bar["horizontal"], bar["vertical"])
+    bar_x = -bar["horizontal"] / length
+    bar_y = -bar["vertical"] / length
+    distance = np.hypot(bar_x, bar_y)
+    bar_angle = np.arctan2(bar_x, -bar_y)
     wire_radius = 0.5 * values["wire_diameter"] / length
     reach = bar["radius"] / length + wire_radius
     depth = (
@@ -214,8 +216,7 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     )
     start = np.full(size, START)
     window = np.full(size, -1.0)
-    strikes = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
-    met = strikes
+    met = strikes = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
     if tool.bar:
         window = half_window(radius, distance, (1.0 + reach) ** 2)
         bar_met = bar_angle + meeting_angle(radius, distance, reach)
@@ -225,8 +226,7 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     start = np.where(np.isnan(own), start, own)
     gravity = 1.5 * values["gravity"] / (length * speed**2)
     end = start + request.hub_turn
-    # without weight a wire stays radial until it meets bar or workpart; if it touches
-    # within its pass, it begins at the touch
+    # without weight a wire stays radial until it meets bar or workpart, where its pass begins
     resting = (gravity == 0.0) & (met > start) & (start > met - np.pi) & (met < end) & (met < 0.0)
     undone = np.full(size, np.nan)
     rows = {
@@ -240,8 +240,8 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
         "rate_scale": 1.0 + np.sqrt(stiffness),
         "bar_distance": distance,
         "bar_angle": bar_angle,
-        "bar_x": distance * np.sin(bar_angle),
-        "bar_y": -distance * np.cos(bar_angle),
+        "bar_x": bar_x,
+        "bar_y": bar_y,
         "reach": reach,
         "wire_radius": wire_radius,
         "bar_friction": bar["friction"],

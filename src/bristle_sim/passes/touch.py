@@ -121,7 +121,6 @@ def slide(passes: Passes, side: Array) -> Chosen:
     chi = half_turn(passes.hub_angle - passes.bar_angle)
     flank = flank_window(passes)
     ending = np.full(passes.size, BAR)
-    fresh = np.ones(passes.size, dtype=bool)
     begin = passes.hub_angle - chi
     for first, last, at_end in (
         (chi, -flank, True),
@@ -132,8 +131,8 @@ def slide(passes: Passes, side: Array) -> Chosen:
         if going.size:
             some = passes.take(going)
             some.hub_angle[:] = (begin + first)[going]
-            ending[going] = _piece(some, (last - first)[going], side[going], at_end, fresh[going])
-            fresh[going] = False
+            fresh = (first == chi)[going]
+            ending[going] = _piece(some, (last - first)[going], side[going], at_end, fresh)
             passes.put(going, some)
     return np.where(ending == BAR, FOLDS, ending)
 
