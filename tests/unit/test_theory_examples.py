@@ -35,5 +35,5 @@ def test_the_formulas_have_examples() -> None:
     }
     assert without <= {
         "crater_kinematics", "impact_arguments", "impact_compliance", "impact_events", "impact_phases",
-        "impact_slip", "impact_stick", "numbers",
+        "impact_springs", "numbers",
     }  # fmt: skip

@@ -5,11 +5,11 @@ The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it
 work it took. The tangential spring has stiffness k/eta^2, and its foot slides where its force T
 would leave the friction cone |T| <= mu N. With the inverse mass matrix K, dv = K (N, T) dt. The
 outcome depends on K, v, mu, e* and eta^2. The stiffness k sets the time alone, and is 1 here. An
-impact is a sequence of phases:
+impact is a sequence of phases (``impact_springs``):
 
-* stick (``impact_stick``): the motion of two oscillators. It ends where the force reaches the cone
+* stick: the motion of two oscillators. It ends where the force reaches the cone
   or where loading or unloading ends;
-* slip in the sense s (``impact_slip``): T = -mu s N, so that v and the foot's velocity v_t + mu s
+* slip in the sense s: T = -mu s N, so that v and the foot's velocity v_t + mu s
   eta^2 kappa v_n are linear in the normal impulse p, and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p)
   p^2/2). It ends at a root of a polynomial: the foot stops, loading or unloading ends, or N = 0.
 
@@ -62,8 +62,7 @@ from bristle_sim.theory.impact_phases import (
     Impact,
     inverse_mass_of,
 )
-from bristle_sim.theory.impact_slip import begun_slip, slide
-from bristle_sim.theory.impact_stick import Contact, stick
+from bristle_sim.theory.impact_springs import Contact, begun_slip, slide, stick
 
 # Energetic coefficient of restitution below which 0 is used: the work that the spring returns would
 # be less than the rounding error of the work that it took.
