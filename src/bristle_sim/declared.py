@@ -182,15 +182,6 @@ class Range(Declaration):
         unit, size = self.display
         return f"{plain_number(value / size, 5)} {unit}".rstrip()
 
-    def with_display_unit(self, text: str) -> str:
-        """Add the customary unit to a typed number that has no unit: ``30`` becomes ``30 mm``.
-
-        The result can be passed to :meth:`parse`.
-        """
-        typed = TYPED.fullmatch(text.strip())
-        bare = typed is not None and not typed["unit"]
-        return f"{text.strip()} {self.display[0]}".rstrip() if bare else text
-
     def parse(self, text: Any) -> float:
         """Return the value of a typed number in the declared unit, after a check of its range.
 
@@ -238,12 +229,11 @@ class Range(Declaration):
         if self._holds(number):
             return int(number) if self.whole else number + 0.0
         # A number without unit may have been meant in the customary unit, for example 27 in mm.
-        bare = typed or f"{number:g}"
-        size = self.display[1]
-        meant = self.with_display_unit(bare)
-        fits = meant != bare and size < 1.0 and self._holds(scaled(number, size))
+        unit, size = self.display
+        bare = f"{number:g}" if typed is None else typed.strip()
+        fits = bare[-1].isdigit() and size < 1.0 and self._holds(scaled(number, size))
         unreadable = value if math.isnan(number) else number
-        raise self.refusal(typed or unreadable, f"; did you mean {meant}?" if fits else "")
+        raise self.refusal(typed or unreadable, f"; did you mean {bare} {unit}?" if fits else "")
 
     def _holds(self, number: float) -> bool:
         """Return whether a number is in the range, and whole where it must be."""

@@ -88,9 +88,11 @@ class Scenario:
         A key is the name of a parameter on the command line. The declaration states the default of
         this scenario, and its source.
         """
-        found = {each.key: each for part in self.parts for each in declarations(part).values()}
         found = {
-            key: each for key, each in found.items() if each.listed and key not in self.without
+            each.key: each
+            for part in self.parts
+            for each in declarations(part).values()
+            if each.listed and each.key not in self.without
         }
         for key, (default, source) in self.defaults.items():
             found[key] = dataclasses.replace(found[key], source=source, default=default)
