@@ -277,6 +277,18 @@ class TestStick:
         assert short.impulse == short.compressive_impulse == pytest.approx(limit.impulse, rel=1e-3)
         assert "compression stick" in long.phases
 
+    def test_of_a_tip_that_its_root_presses_on(self) -> None:
+        """It touches at 1 mm/s while the root, on top of its hub, falls at 31 m/s^2: after ten times 1 ms it is still there.
+
+        The rigid law lets it rebound. "No rebound" is the word of contacts without restitution.
+        """
+        angle = 0.65
+        rate = -1e-3 / (0.7 * math.sin(angle))
+        pressed = Chain((0.5,), (0.7,), (angle,), (rate,), 0.9, 5.9, math.pi)
+        surface = Surface(0.0, None, 0.5)
+        assert strike(pressed, surface, Contact(), Settings()).contact.outcome == "rebound"
+        assert found(pressed, surface, 1e-3).outcome == "stiction"
+
     def test_of_a_tip_that_begins_without_slip(self) -> None:
         """It sticks where friction suffices, and slips at once in the sense in which it is driven where not."""
         random = np.random.default_rng(5)
