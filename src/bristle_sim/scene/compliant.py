@@ -11,13 +11,11 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from bristle_sim.scene.build import Scene, damped_interval
 from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, impact_at
-from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair, contact_rows
+from bristle_sim.scene.mechanism import Mechanism, State, cross
+from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
@@ -194,8 +192,9 @@ def rigid_stiffness(
     normal inverse mass K_nn = (lever of the normal about the root)^2/(moment of inertia of the
     straight wire about the root).
     """
-    turn = np.exp(1j * np.array(state.angles))
-    normals, _ = contact_rows(mechanism, turn, [pair], [touch])
     size = mechanism.wire_links
+    poses = mechanism.poses(state)
+    root = poses[pair.link - pair.link % size].joint
+    lever = cross(poses[pair.link].joint + touch.arm - root, touch.normal)
     inertia = mechanism.constants.products[:size, :size].real.sum()
-    return frictionless_stiffness(float(normals.sum() ** 2 / inertia), pair.restitution, duration)
+    return frictionless_stiffness(float(lever**2 / inertia), pair.restitution, duration)
