@@ -24,12 +24,11 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.dissertation_figures import (
     draw_panel,
-    draw_table,
     heading,
     write_points_key,
 )
 from bristle_sim.render.drawing import HUB_COLOUR, toward
-from bristle_sim.render.style import MILLIMETRES, axes_at, blank_figure, save_figure, styled
+from bristle_sim.render.style import MILLIMETRES, blank_figure, save_figure, styled
 
 HERE = Path(__file__).parent
 
@@ -47,7 +46,8 @@ def strike_drawing() -> Figure:
     tip = root + length * toward(HUB_ANGLE - LAG)
     x, y = tip.tolist()
     figure = blank_figure(16.0, 9.5)
-    axes = axes_at(figure, 0.0, 0.0, 16.0, 9.5)
+    figure.set_layout_engine("none")
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
     axes.set(xlim=(-72.0, 40.0), ylim=(y - 12.0, y - 12.0 + 112.0 * 9.5 / 16.0))
     axes.axhspan(y - 20.0, y, facecolor=LIGHT, edgecolor=GREY, linewidth=0.8)
@@ -135,17 +135,12 @@ def contact_sheet(figures: Sequence[Redrawn]) -> Figure:
     cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
     rows = -(-len(cells) // 4)
     sheet = blank_figure(33.0, 1.0 + 7.1 * rows)
-    for number, (figure, panel) in enumerate(cells):
-        row, column = divmod(number, 4)
-        wider = 1.2 if panel is None else 0.0  # a table needs no room for a scale
-        bottom = 2.2 + 7.1 * (rows - 1 - row)
-        axes = axes_at(sheet, 1.7 + 8.25 * column - wider, bottom, 6.1 + wider, 4.2)
-        if panel is None:
-            draw_table(axes, figure.table)
-        else:
-            draw_panel(axes, panel)
-        title = "\n".join(textwrap.wrap(heading(figure), 50))
-        axes.set_title(title, loc="left", fontsize=8.0, pad=15.0)
+    places = sheet.subplots(rows, 4).ravel()
+    for axes in places[len(cells) :]:
+        axes.remove()
+    for axes, (figure, panel) in zip(places, cells, strict=False):
+        draw_panel(axes, panel, figure.table)
+        axes.set_title("\n".join(textwrap.wrap(heading(figure), 50)), fontsize=8.0)
     write_points_key(sheet, [panel for figure in figures for panel in figure.panels])
     return sheet
 

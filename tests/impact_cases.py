@@ -35,10 +35,9 @@ def rods(surface: Surface = ROUGH, **pendulum: float) -> Impacts:
     return report.subject
 
 
-def panel(figure: Figure, letter: str) -> Axes:
-    return next(
-        axes for axes in figure.axes if axes.get_title(loc="left").startswith(f"$\\bf{{{letter}}}")
-    )
+def panel(figure: Figure, title: str) -> Axes:
+    """The panel whose title begins with some words."""
+    return next(axes for axes in figure.axes if axes.get_title(loc="left").startswith(title))
 
 
 def line(axes: Axes, name: str) -> Line2D:

@@ -138,7 +138,7 @@ def test_time_warp_is_monotonic_and_spans_run_and_film(focus, slower):
     )
 
 
-def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
+def test_scene_tells_the_strike(run):
     scene = pass_film(run, Tool(), width=320, height=240, duration=4.0, until=END)
     for offset, caption in (
         (-0.1, "released: the belt throws the tip"),
@@ -147,8 +147,6 @@ def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
     ):
         scene.show(float(scene.warp.film_time(STRIKE)) + offset)
         assert scene.texts[0] == caption
-        assert scene.star.get_visible() == (caption == "strike")
-    assert scene.star.get_xydata()[0] == pytest.approx(1e3 * run.tip[60], abs=1e-9)
 
 
 def test_gif_has_every_frame_at_its_time(run, tmp_path):

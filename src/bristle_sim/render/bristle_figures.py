@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.render import style
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SERIES, VERMILION
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, LIGHT, SERIES, VERMILION
 from bristle_sim.render.drawing import (
     draw_wires,
     show_points,
@@ -40,21 +41,14 @@ def bent_figure(bent: BentBristles) -> Figure:
     These lengths are in mm. A further panel shows each tip's displacement along the workpart during
     the contact, in mm over time in us.
     """
-    figure = style.blank_figure(16.0, 17.2)
-    words = "to scale, from the point of strike"
+    figure = style.blank_figure(16.0, 15.5)
+    panels = figure.subplot_mosaic([["wires", "paths"], ["slides", "slides"]], width_ratios=(1, 2))
+    wires, paths, slides = panels.values()
     along = "along the workpart (mm)"
-    title = "the wires as they strike"
-    wires = style.add_panel(figure, (1.4, 9.2, 4.6, 5.6), title, words, xlabel=along)
-    wires.set_ylabel("above the workpart (mm)")
-    title = "the tips' paths before, in and after touch"
-    paths = style.add_panel(figure, (7.6, 9.2, 8.0, 5.6), title, words, xlabel=along)
-    slides = style.add_panel(
-        figure,
-        (1.4, 2.4, 14.2, 4.7),
-        "displacement of the tips along the workpart while in touch",
-        xlabel="time since the first touch (µs)",
-        ylabel="displacement (mm)",
-    )
+    wires.set(title="the wires as they strike", xlabel=along, ylabel="above the workpart (mm)")
+    paths.set(title="the tips' paths, from the point of strike", xlabel=along)
+    slides.set(title="in touch", xlabel="time since the first touch (µs)")
+    slides.set_ylabel("displacement of the tip\nalong the workpart (mm)")
     shapes: dict[str, style.Look] = {}
     drawn = []
     for shape, run in bent.trajectories.items():
@@ -68,22 +62,18 @@ def bent_figure(bent: BentBristles) -> Figure:
         ground = (0.0, -0.05 * float(np.ptp(np.concatenate(points)[:, 1])))
         show_points(axes, [*points, ground], 0.08)
         axes.axhspan(axes.get_ylim()[0], 0.0, color=LIGHT, linewidth=0.0, zorder=0)
-        style.draw_zero(axes)
-    if drawn:
-        style.draw_zero(slides)
-    else:
-        for axes in (wires, paths, slides):
+    for axes in (wires, paths, slides):
+        if drawn:
+            style.draw_zero(axes)
+        else:
             axes.set_axis_off()
             style.say(axes, "no tip strikes the workpart")
     tool = bent.trajectories["forward"].tool
     assert tool.workpart is not None
-    left = 1.4 / 16.0
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
-    figure.text(left, 1.0 - 0.65 / 17.2, f"Three bristles strike: {what}", fontsize=10.0)
-    figure.text(left, 1.0 - 1.15 / 17.2, against_film(bent.slides), fontsize=8.0, color=GREY)
+    figure.suptitle(f"Three bristles strike: {what}\n{against_film(bent.slides)}", fontsize=9.0)
     marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
-    for height, looks in ((0.75, shapes), (0.25, marks)):
-        style.write_key(figure, looks, bbox_to_anchor=(0.5, height / 17.2), borderaxespad=0.0)
+    style.write_key(figure, shapes | marks, ncols=3)
     return figure
 
 
@@ -101,30 +91,27 @@ def _draw_strike(
     struck = run.at(touch)
     wire = style.MILLIMETRES * (struck.centre_line - struck.tip)
     wires.plot(*wire.T, color=color, linewidth=1.8)
-    shown = {
-        "path before touch": (max(touch - BEFORE, run.time[0]), touch),
-        "in touch": (touch, end),
-        "after touch": (end, min(end + AFTER, run.time[-1])),
-    }
-    drawn = {}
-    for mark, (first, last) in shown.items():
-        time = np.linspace(first, last, 400)
-        drawn[mark] = style.MILLIMETRES * (run.at(time).tip - struck.tip)
-        paths.plot(*drawn[mark].T, color=color, **MARKS[mark])
+    edges = (max(touch - BEFORE, run.time[0]), touch, end, min(end + AFTER, run.time[-1]))
+    before, during, after = (
+        style.MILLIMETRES * (run.at(np.linspace(*each, 400)).tip - struck.tip)
+        for each in pairwise(edges)
+    )
+    for points, look in zip((before, during, after), MARKS.values(), strict=True):
+        paths.plot(*points.T, color=color, **look)
     time = style.MICROSECONDS * np.linspace(0.0, contact.duration, 400)
-    slides.plot(time, drawn["in touch"][:, 0], color=color)
-    return wire, np.concatenate([drawn["in touch"], drawn["after touch"]])
+    slides.plot(time, during[:, 0], color=color)
+    return wire, np.concatenate([during, after])
 
 
 BESIDE = 0.02  # distance, deg, from a least pitch to the pitches on either side at which the strike is simulated
 STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
 LEAST = {
-    "least_pitch_to_strike_deg": ("no touch until the one in front strikes", (1, 1)),
-    "least_pitch_to_own_strike_deg": ("no touch until its own strike", (4, 2)),
-    "least_pitch_whole_pass_deg": ("no touch in the whole pass", (9, 2)),
+    "least_pitch_to_strike_deg": ("no touch until the one in front strikes", ":"),
+    "least_pitch_to_own_strike_deg": ("no touch until its own strike", "--"),
+    "least_pitch_whole_pass_deg": ("no touch in the whole pass", "-."),
 }
-"""Label and dashes of the line at each least pitch. The label is true of all larger pitches."""
+"""Label and style of the line at each least pitch. The label is true of all larger pitches."""
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
@@ -159,16 +146,16 @@ def neighbours_figure(
         pitches: angles between neighbouring bristles, deg.
         strikes: quantities of the last bristle's strike by name, with one value for each pitch.
     """
-    figure = style.blank_figure(16.0, 13.4)
+    figure = style.blank_figure(16.0, 12.5)
+    above, below = figure.subfigures(2, squeeze=False, height_ratios=(1.4, 1.0)).flat
     last = f"bristle {len(row.bristles)}"
-    for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
-        words = f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms"
-        _draw_row(style.add_panel(figure, (left, 6.4, 7.6, 5.8), title, words), row, time)
+    for axes, (title, time) in zip(above.subplots(1, 2), instants(row), strict=True):
+        axes.set_title(f"{title}, {style.MILLISECONDS * time:.3f} ms")
+        _draw_row(axes, row, time)
     alone = strike_values(row.tool, row.lone)
-    for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
+    for axes, name in zip(below.subplots(1, 3), STRIKES, strict=True):
         title, unit, factor = style.STRIKE_LOOKS[name]
-        place = (left, 1.9, 3.7, 3.2)
-        axes = style.add_panel(figure, place, title, f"of {last}", xlabel="pitch (°)", ylabel=unit)
+        axes.set(title=title, xlabel="pitch (°)", ylabel=unit)
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
         shown = factor * strikes[name]
@@ -178,13 +165,12 @@ def neighbours_figure(
             if (least := each.by_theory) is not None:
                 words, dashes = LEAST[each.name]
                 label = f"{least:.2f}°: {words}"
-                axes.axvline(least, color=BLACK, linewidth=0.8, dashes=dashes, label=label)
+                axes.axvline(least, color=BLACK, linewidth=0.8, linestyle=dashes, label=label)
         axes.set_xlim(left=0.0)
         style.span_at_least(axes, LEAST_SPAN)
         if np.isnan(strikes[name]).all():
             style.say(axes, "no strike at any pitch")
-    handles, _ = axes.get_legend_handles_labels()
-    figure.legend(handles=handles, loc="lower center", ncols=3, borderaxespad=0.2)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 

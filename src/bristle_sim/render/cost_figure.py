@@ -7,14 +7,10 @@ from __future__ import annotations
 
 import itertools
 import math
-import textwrap
-from collections.abc import Sequence
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import (
     OURS,
     Point,
@@ -23,20 +19,12 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
 )
 from bristle_sim.benchmarks.accuracy_cost.study import AccuracyCost, comparisons
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
-from bristle_sim.render.style import MILLISECONDS, Look, axes_at, blank_figure, note, styled
+from bristle_sim.render.style import MILLISECONDS, Look, blank_figure, styled
 
-WIDTH = 16.0  # printed width of the page's text, cm
-PANEL = (6.1, 5.6)
-HEAD = 1.35
-ROW = 11.4
-LEGEND = 1.05
-NOTES = 3.75
-"""Lengths in cm: width and height of a panel, height of its title and verdict, height of a row of
-panels, and distances of the legend and of the notes below a panel."""
-
+HEIGHT = 8.6  # height of a row of panels with their legends, cm
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order of drawing
 PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
-HEAVY: Look = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
+HEAVY: Look = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3}
 PEER = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 0.8, "zorder": 2}
 """Styles of this project's curves, and of the curves of other packages."""
 
@@ -55,19 +43,35 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")
     rows = math.ceil(len(measured.cases) / 2)
-    figure = blank_figure(WIDTH, rows * ROW)
-    for number, case in enumerate(measured.cases):
-        row, column = divmod(number, 2)
-        place = (1.45 + 8.2 * column, (rows - row) * ROW - PANEL[1] - HEAD)
+    figure = blank_figure(16.0, rows * HEIGHT)
+    places = figure.subplots(rows, 2, squeeze=False).ravel()
+    for axes, case in itertools.zip_longest(places, measured.cases):
+        if case is None:
+            axes.remove()
+            continue
         # Of the target errors that a method of ours reaches, the smallest is compared.
         _, target, *compared = min(
             (each for each in comparisons(measured) if each.case == case.name),
             key=lambda each: (each.ours is None, each.target),
         )
-        axes = axes_at(figure, *place, *PANEL)
-        note(axes, verdict(target, *compared), (0, 1), (0, 5), xycoords="axes fraction")
+        axes.set_title(f"{case.title}\n{verdict(target, *compared)}", fontsize=7.5)
+        axes.set(xlabel="CPU time (ms)", ylabel="relative error")
+        colours = itertools.cycle(OWN)
+        markers = itertools.cycle("osD^vPX*")
         points = [each for each in measured.of(case.name) if math.isfinite(each.error)]
-        _panel(axes, case, points)
+        for own in by_method(points):
+            method = own[0].method
+            look = PEER | {"color": PEERS.get(package_of(method), GREY)}
+            if package_of(method) == OURS:
+                look = HEAVY | {"color": next(colours)}
+            times = [MILLISECONDS * each.cpu_s for each in own]
+            errors = [max(each.error, LEAST) for each in own]
+            axes.loglog(times, errors, gid=method, label=method, marker=next(markers), **look)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(numticks=9))
+            axis.set_minor_formatter(NullFormatter())
+        place = {"loc": "upper center", "bbox_to_anchor": (0.45, -0.18), "ncols": 2}
+        axes.legend(**place, fontsize=6.0, labelspacing=0.2)
     return figure
 
 
@@ -86,34 +90,3 @@ def verdict(target: float, own: Point | None, peer: Point | None) -> str:
 def _shown(point: Point) -> str:
     time = point.cpu_s * MILLISECONDS
     return f"{time:.0f} ms" if time >= 10.0 else f"{time:.2g} ms"
-
-
-def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    """Draw the panel of a test case, with its legend and the notes on the case below it."""
-    colours = itertools.cycle(OWN)
-    markers = itertools.cycle("osD^vPX*")
-    for own in by_method(points):
-        method = own[0].method
-        look = PEER | {"color": PEERS.get(package_of(method), GREY)}
-        if package_of(method) == OURS:
-            look = HEAVY | {"color": next(colours)}
-        times = [MILLISECONDS * each.cpu_s for each in own]
-        errors = [max(each.error, LEAST) for each in own]
-        axes.loglog(times, errors, gid=method, label=method, marker=next(markers), **look)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(numticks=9))
-        axis.set_minor_formatter(NullFormatter())
-    axes.set_title(case.title, loc="left", pad=16.0, fontweight="bold")
-    axes.set_xlabel("CPU time (ms)", labelpad=1.0)
-    axes.set_ylabel("relative error", labelpad=2.0)
-    axes.legend(
-        loc="upper left",
-        bbox_to_anchor=(-0.2, -LEGEND / PANEL[1]),
-        ncols=2,
-        columnspacing=0.8,
-        labelspacing=0.2,
-        fontsize=6.0,
-    )
-    lines = [textwrap.fill(each, 68) for each in case.notes]
-    look = {"transform": axes.transAxes, "va": "top", "linespacing": 1.35}
-    axes.text(-0.19, -NOTES / PANEL[1], "\n".join(lines), color=GREY, fontsize=6.0, **look)

@@ -18,60 +18,32 @@ from matplotlib.transforms import Bbox
 from bristle_sim.dissertation.redrawn import SOURCES, Panel, Redrawn
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, SERIES, VERMILION
-from bristle_sim.render.style import (
-    Look,
-    axes_at,
-    blank_figure,
-    name_above,
-    note,
-    save_figure,
-    styled,
-    write_key,
-)
+from bristle_sim.render.style import Look, blank_figure, save_figure, styled, write_key
 
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
 """Width and height (cm) of a panel with its scales: on a page of several panels, and alone."""
 
-PANEL = (1.7, 1.2, 2.15, 1.7)
-"""Left and lower edge of a panel within its cell, cm, and the width and height, cm, by which the cell
-is larger than the panel."""
-
-FOOT = 1.0
-HEAD = 1.2
-"""Heights (cm) of the legend of points, and of a page's title and note."""
-
+REST = 2.2  # height of a page's title, note and legend of points, cm
 NOTHING = 1e-12  # largest value, in the unit shown, that is rounding error of zero
 OPERATING_POINT: Look = {
-    "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "markeredgewidth": 0.65,
-    "linestyle": "none",
+    "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "linestyle": "none",
 }  # fmt: skip
 """Style of a mark without a label: a blue dot, as the dissertation marks its operating point."""
 
 _SIDES = {"right": ((6, -9), "left"), "left": ((-5, -11), "right"), "above": ((0, 5), "center")}
 """Offset of a mark's label, in points, and alignment of the label, by side."""
 
-POINT = {"markeredgewidth": 0.9, "linestyle": "none"}
-_CIRCLE: Look = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"}
+_OPEN: Look = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white", "linestyle": "none"}
+_CROSS: Look = {"marker": "x", "markersize": 4.0, "linestyle": "none"}
+_JOINED: Look = {"markersize": 3.4, "linewidth": 0.7}
 _LOOKS: dict[str, Look] = {
-    **dict.fromkeys(("energetic", "printed", "motion"), _CIRCLE),
-    "compliant": {"marker": "x", "markersize": 4.2},
-    "engine": {
-        "marker": "s",
-        "markersize": 3.4,
-        "color": VERMILION,
-        "linestyle": "-",
-        "linewidth": 0.7,
-    },
-    "contact": {
-        "marker": "x",
-        "markersize": 3.4,
-        "color": BLACK,
-        "linestyle": "-",
-        "linewidth": 0.7,
-    },
-    "table": {"marker": "s", "markersize": 3.6, "markerfacecolor": "white"},
-    "sampled": {"marker": ".", "markersize": 4.0, "color": GREY},
+    **dict.fromkeys(("energetic", "printed", "motion"), _OPEN),
+    "compliant": _CROSS,
+    "engine": _JOINED | {"marker": "s", "color": VERMILION},
+    "contact": _JOINED | {"marker": "x", "color": BLACK},
+    "table": _OPEN | {"marker": "s"},
+    "sampled": _CROSS | {"marker": ".", "color": GREY},
 }
 
 
@@ -84,22 +56,11 @@ def draw(figure: Redrawn) -> Figure:
     panels = figure.panels or (None,)
     columns = min(len(panels), 3)
     rows = -(-len(panels) // columns)
-    cell_width, cell_height = PAGE_CELL if len(panels) == 1 else CELL
-    width = columns * cell_width
-    height = rows * cell_height + FOOT + HEAD
-    page = blank_figure(width, height)
-    page.text(PANEL[0] / width, 1.0 - 0.6 / height, heading(figure), fontsize=9.0)
-    page.text(PANEL[0] / width, 1.0 - 1.02 / height, figure.note, fontsize=7.0, color=GREY)
-    for number, panel in enumerate(panels):
-        row, column = divmod(number, columns)
-        left = column * cell_width + PANEL[0]
-        bottom = FOOT + (rows - 1 - row) * cell_height + PANEL[1]
-        size = (cell_width - PANEL[2], cell_height - PANEL[3])
-        axes = axes_at(page, left, bottom, *size)
-        if panel is None:
-            draw_table(axes, figure.table)
-        else:
-            draw_panel(axes, panel)
+    width, height = PAGE_CELL if len(panels) == 1 else CELL
+    page = blank_figure(columns * width, rows * height + REST)
+    page.suptitle(f"{heading(figure)}\n{figure.note}", fontsize=8.0)
+    for axes, panel in zip(page.subplots(rows, columns, squeeze=False).flat, panels, strict=True):
+        draw_panel(axes, panel, figure.table)
     write_points_key(page, figure.panels)
     return page
 
@@ -109,7 +70,7 @@ def write_points_key(page: Figure, panels: Iterable[Panel]) -> None:
     key: dict[str, Look] = {}
     for panel in panels:
         for source in (source for curve in panel.curves for source in curve.points):
-            key[SOURCES[source].words] = {"color": BLACK, **POINT, **_LOOKS[source]}
+            key[SOURCES[source].words] = {"color": BLACK, **_LOOKS[source]}
         if not all(mark.label for mark in panel.marks):
             key["operating point"] = OPERATING_POINT
     if key:
@@ -145,48 +106,43 @@ def heading(figure: Redrawn) -> str:
     return f"$\\bf{{{shown}}}$  {title}"
 
 
-def draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
-    """Draw a table, whose first row is its header and whose last row holds the totals."""
-    axes.set_axis_off()
-    head, *rows = table
-    place = Bbox.unit()
-    drawn = axes.table(rows, colLabels=head, bbox=place, edges="horizontal", cellLoc="right")
-    drawn.auto_set_font_size(False)
-    for (row, _), cell in drawn.get_celld().items():
-        cell.set(linewidth=0.4)
-        cell.set_text_props(weight="bold" if row in (0, len(rows)) else "normal", fontsize=6.0)
+def draw_panel(axes: Axes, panel: Panel | None, table: Sequence[Sequence[str]] = ()) -> None:
+    """Draw a panel with the names of its curves in a legend.
 
-
-def draw_panel(axes: Axes, panel: Panel) -> None:
-    """Draw a panel; the names of its curves stand in a row above it, or inside it if they are long."""
+    Without a panel draw a table, whose first row is its header and whose last row holds the totals.
+    """
+    if panel is None:
+        axes.set_axis_off()
+        drawn = axes.table(table, bbox=Bbox.unit(), edges="horizontal", cellLoc="right")
+        drawn.auto_set_font_size(False)
+        for (row, _), cell in drawn.get_celld().items():
+            weight = "bold" if row in (0, len(table) - 1) else "normal"
+            cell.set_linewidth(0.4)
+            cell.set_text_props(weight=weight, fontsize=6.0)
+        return
     x, y = panel.x.factor, panel.y.factor
-    for number, (curve, color) in enumerate(zip(panel.curves, SERIES, strict=False)):
-        family = f"{panel.family}:  " * (panel.family != "" and number == 0)
-        axes.plot(x * curve.x, y * curve.theory, color=color, label=family + curve.name)
+    for curve, color in zip(panel.curves, SERIES, strict=False):
+        axes.plot(x * curve.x, y * curve.theory, color=color, label=curve.name)
         for source, (at, values) in curve.points.items():
-            axes.plot(x * at, y * values, zorder=3, **{"color": color, **POINT, **_LOOKS[source]})
-    dashes = iter([(4.0, 2.0), (1.0, 1.5)])
-    for level in panel.levels:
+            axes.plot(x * at, y * values, zorder=3, **{"color": color, **_LOOKS[source]})
+    for number, level in enumerate(panel.levels):
         look: Look = {"color": GREY, "linewidth": 0.9, "zorder": 1, "label": level.label}
         if level.upright:
-            axes.axvline(x * level.value, dashes=(3.0, 2.0), **look)
+            axes.axvline(x * level.value, linestyle="--", **look)
         else:
-            axes.axhline(y * level.value, dashes=next(dashes), **look)
+            axes.axhline(y * level.value, linestyle=("--", ":")[number], **look)
     for mark in panel.marks:
         place = (x * mark.x, y * mark.y)
         offset, side = _SIDES[mark.side]
         dot: Look = {"color": BLACK, "marker": "o", "markersize": 4.5}
         axes.plot(*place, zorder=5, **(dot if mark.label else OPERATING_POINT))
-        note(axes, mark.label, place, offset, ha=side, color=BLACK, zorder=5)
+        axes.annotate(mark.label, place, offset, textcoords="offset points", ha=side, zorder=5)
     axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     _limit(axes, panel)
-    axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
-    axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
-    sizes: Look = {"fontsize": 6.5, "handlelength": 0.9, "handletextpad": 0.3}
-    if panel.family:
-        name_above(axes, -0.12, columnspacing=0.55, **sizes)
-    else:
-        axes.legend(frameon=True, framealpha=0.8, edgecolor="none", labelspacing=0.25, **sizes)
+    axes.set(xlabel=panel.x.label, ylabel=panel.y.label)
+    named = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))  # a name once
+    look = {"title": panel.family, "fontsize": 6.5, "frameon": True, "framealpha": 0.8}
+    axes.legend(named.values(), named, handlelength=0.9, edgecolor="none", **look)
 
 
 def _limit(axes: Axes, panel: Panel) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, FancyArrowPatch
+from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 from matplotlib.quiver import Quiver
 from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
@@ -20,7 +20,6 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.style import MILLIMETRES, Look
 
-LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
 # Largest distance of a drawn bar from the hub's centre, over the wires' largest distance
 BAR_SHOWN = 2.0
 POINTS = 201  # number of points of a straight piece of wire that are tried for a touch
@@ -44,8 +43,8 @@ def show_points(axes: Axes, points: Sequence[ArrayLike], margin: float) -> None:
     aspect = axes.get_window_extent().width / axes.get_window_extent().height
     size = np.maximum(size, size[::-1] * [aspect, 1.0 / aspect])
     low = 0.5 * (every.min(axis=0) + every.max(axis=0) - size)
-    (left, bottom), (right, top) = low, low + size
-    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+    x, y = np.transpose([low, low + size])
+    axes.set(xlim=x, ylim=y, aspect="equal", anchor="N")
 
 
 def show_wires(axes: Axes, tool: Tool, lines: ArrayLike, margin: float = 0.05) -> None:
@@ -84,30 +83,19 @@ def draw_wires(
     colors: Sequence[str],
     *,
     margin: float = 0.05,
-    details: bool = False,
+    radial: bool = False,
 ) -> list[WireDrawing]:
     """Draw the tool and a scale bar, and return a drawing of a wire for each colour, to be placed.
 
-    ``lines`` and ``margin`` are those of :func:`show_wires`, ``details`` those of the drawings.
+    ``lines`` and ``margin`` are those of :func:`show_wires`, ``radial`` that of the drawings.
     """
     show_wires(axes, tool, lines, margin)
-    axes.set_axis_off()
     draw_tool(axes, tool)
-    longest = LONGEST_SCALE_BAR * float(np.ptp(axes.get_xlim()))
-    decade = 10.0 ** math.floor(math.log10(longest))
-    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= longest)
-    bar = AnchoredSizeBar(
-        axes.transData,
-        length,
-        f"{length:g} mm",
-        "lower right",
-        pad=0.3,
-        borderpad=0.8,
-        size_vertical=0.004 * float(np.ptp(axes.get_ylim())),
-        color=BLACK,
-    )
+    length = float(np.diff(axes.get_xticks()[:2]).item())
+    bar = AnchoredSizeBar(axes.transData, length, f"{length:g} mm", "lower right")
     axes.add_artist(bar)
-    return [WireDrawing(axes, tool, color=color, details=details) for color in colors]
+    axes.set_axis_off()
+    return [WireDrawing(axes, tool, color=color, radial=radial) for color in colors]
 
 
 def draw_tool(axes: Axes, tool: Tool) -> None:
@@ -116,35 +104,27 @@ def draw_tool(axes: Axes, tool: Tool) -> None:
     The hub is the circle of the roots with its sense of rotation. A tool without bar or workpart is
     drawn without them. The names are outlined so that they are legible on any background.
     """
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    width = right - left
-    height = top - bottom
+    low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
+    size = high - low
     radius = tool.hub.radius * MILLIMETRES
     draw_circle(axes, (0.0, 0.0), tool.hub.radius, facecolor=HUB_COLOUR, edgecolor=GREY)
-    axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
     if tool.hub.speed > 0.0:
-        ends = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
-        look: Look = {
-            "arrowstyle": "-|>,head_length=4,head_width=2",
-            "color": GREY,
-            "linewidth": 0.8,
-        }
-        axes.add_patch(FancyArrowPatch(*ends, connectionstyle="arc3,rad=0.33", **look))
+        start, end = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
+        arrow = {"arrowstyle": "-|>", "connectionstyle": "arc3,rad=0.33", "color": GREY}
+        axes.annotate("", end, start, arrowprops=arrow, annotation_clip=True)
     # The name of the hub is as near to the hub's centre as the view permits.
-    x = float(np.clip(0.3 * radius, left + 0.08 * width, right - 0.08 * width))
-    y = float(np.clip(0.35 * radius, bottom + 0.05 * height, top - 0.05 * height))
-    names = {"hub": (x, y, HUB_COLOUR)} if math.hypot(x, y) < 0.9 * radius else {}
+    rim = [0.08, 0.05] * size
+    place = np.clip([0.3 * radius, 0.35 * radius], low + rim, high - rim)
+    names = {"hub": place} if math.hypot(*place) < 0.9 * radius else {}
     if tool.bar is not None:
         draw_circle(axes, tool.bar.centre, tool.bar.radius)
-        x, y = (MILLIMETRES * each for each in tool.bar.centre)
-        names["bar"] = (x, y, BAR_COLOUR)
+        names["bar"] = MILLIMETRES * np.asarray(tool.bar.centre)
     if tool.workpart is not None:
-        axes.axhspan(bottom - height, -tool.workpart_depth * MILLIMETRES, **GROUND)
-        names["workpart"] = (left + 0.09 * width, bottom + 0.03 * height, "white")
-    for name, (x, y, ground) in names.items():
-        halo = [withStroke(linewidth=2.5, foreground=ground)]
-        text = axes.text(x, y, name, ha="center", va="center", path_effects=halo)
-        text.set(zorder=7, clip_on=True)
+        axes.axhspan(low[1] - 2.0 * size[1], -tool.workpart_depth * MILLIMETRES, **GROUND)
+        names["workpart"] = low + [0.13, 0.03] * size
+    for name, (x, y) in names.items():
+        text = axes.text(x, y, name, ha="center", va="center", zorder=7, clip_on=True)
+        text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
 def draw_circle(axes: Axes, centre: Sequence[float], radius: float, **look: Any) -> None:
@@ -169,13 +149,10 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
     Two wires touch if they are within 1.05 wire diameters, from centre line to centre line.
     ``lines`` holds the centre lines, each of shape (corners, 2), m; ``diameter`` is in m.
     """
-    part = np.linspace(0.0, 1.0, POINTS)[:, np.newaxis]
-    finely = [
-        np.concatenate([start + part * (end - start) for start, end in pairwise(line)])
-        for line in lines
-    ]
     places = []
-    for one, other in pairwise(finely):
+    for one, other in pairwise(
+        np.concatenate([np.linspace(*ends, POINTS) for ends in pairwise(line)]) for line in lines
+    ):
         gaps = np.linalg.norm(one[:, np.newaxis] - other, axis=-1)
         row, column = np.unravel_index(np.argmin(gaps), gaps.shape)
         if gaps[row, column] < 1.05 * diameter:
@@ -184,9 +161,8 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
 
 
 class WireDrawing:
-    """The drawing of a wire and its root.
-
-    With ``details``, it also has the radial line through the root and the roots of other bristles.
+    """The drawing of a wire and its root, with the radial line through the root if it is
+    ``radial``.
     """
 
     def __init__(
@@ -196,7 +172,7 @@ class WireDrawing:
         *,
         color: str = BLUE,
         alpha: float = 1.0,
-        details: bool = False,
+        radial: bool = False,
     ) -> None:
         """Draw the wire to scale, half a point wider so that a thin wire is visible.
 
@@ -207,12 +183,10 @@ class WireDrawing:
         look: Look = {"color": color, "alpha": alpha, "linewidth": thickness, "zorder": 4}
         (self.wire,) = axes.plot([], [], **look, **ends)
         look = {"color": GREEN, "markersize": 4.5, "markeredgecolor": "white", "zorder": 5}
-        (self.root,) = axes.plot([], [], "o", **look)
-        self.artists = [self.wire, self.root]
-        if details:
-            (self.radial,) = axes.plot([], [], color=GREY, linewidth=0.8, dashes=(5, 3), zorder=2)
-            (self.ring,) = axes.plot([], [], "o", color=GREY, markersize=3, zorder=3)
-            self.artists = [self.radial, self.ring, *self.artists]
+        (self.root,) = axes.plot([], [], "o", label="root in the belt", **look)
+        (self.radial,) = axes.plot([], [], "--", color=GREY, linewidth=0.8, visible=radial)
+        self.artists = [self.radial, self.wire, self.root]
+        self.reach = 1.0 + tool.bristle.length / max(tool.hub.radius, 1e-300)
 
     def place(self, centre_line: Array) -> None:
         """Move the drawing to a new position of the wire.
@@ -223,9 +197,4 @@ class WireDrawing:
         root = corners[0]
         self.wire.set_data(*corners.T)
         self.root.set_data(root[:1], root[1:])
-        if len(self.artists) > 2:
-            length = float(np.hypot(*np.diff(corners, axis=0).T).sum())
-            end = root * (1.0 + length / max(math.hypot(*root), 1e-300))
-            self.radial.set_data(*np.array([root, end]).T)
-            roots = np.exp(np.arange(1, 12) * (1j * np.pi / 6.0)) * complex(*root)
-            self.ring.set_data(roots.real, roots.imag)
+        self.radial.set_data(*np.transpose([root, self.reach * root]))

@@ -10,8 +10,6 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.style import (
     MICROSECONDS,
     MILLISECONDS,
-    Look,
-    add_panel,
     add_right_scale,
     blank_figure,
     draw_zero,
@@ -21,7 +19,6 @@ from bristle_sim.studies.force_comparison import ForceComparison
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 from bristle_sim.theory.force_history import BRISTLE
 
-MOST_DOTS = 400  # largest number of points drawn as dots; more points are drawn as a line
 # Time shown before and after the contact, as a fraction of its duration, where the file has
 # samples.
 BESIDE = 0.25
@@ -38,40 +35,34 @@ def force_figure(comparison: ForceComparison) -> Figure:
     contact = comparison.contact
     name = "force of chapter 3" if curve is BRISTLE else "fit to the measured force"
     simulated = "and a bristle's contact of the same impulse and compression time"
-    title = f"{name}, {simulated if contact else 'without a simulated contact'}"
     figure = blank_figure(16.0, 7.9)
-    axes = add_panel(
-        figure,
-        (1.3, 1.2, 14.2, 5.4),
-        title,
-        xlabel="time since first touch (µs)",
-        ylabel="force on the tip (N)",
-    )
-    end = curve.duration
+    axes = figure.subplots()
+    axes.set_title(f"{name}, {simulated if contact else 'without a simulated contact'}")
+    axes.set(xlabel="time since first touch (µs)", ylabel="force on the tip (N)")
+    first, end = 0.0, curve.duration
     if measured is not None:
-        dots = "." if measured.time.size <= MOST_DOTS else "-"
         time = MICROSECONDS * measured.time
-        axes.plot(
-            time, measured.force, dots, color=GREY, markersize=3, linewidth=0.6, label="measured"
-        )
-        end = min(float(measured.time[-1]), (1.0 + BESIDE) * end)
+        axes.plot(time, measured.force, ".-", color=GREY, ms=2.5, lw=0.4, label="measured")
+        beside = BESIDE * curve.duration
+        first, end = np.clip(measured.time[[0, -1]], -beside, end + beside)
     time = np.linspace(0.0, curve.duration, 301)
     label = f"{'fit' if measured else 'chapter 3'}: at most {curve.peak_force():.1f} N"
     axes.plot(MICROSECONDS * time, curve(time), color=BLUE, label=label)
     if contact is not None:
-        time = np.linspace(0.0, float(contact.time[-1]), 1001)
+        history = contact.history
+        time = MICROSECONDS * contact.time
         label = f"simulated: at most {contact.peak_force:.1f} N"
-        axes.plot(MICROSECONDS * time, contact.resultant(time), color=VERMILION, label=label)
-        look: Look = {"color": VERMILION, "linewidth": 0.8}
-        for name, dashes in {"normal": (4, 2), "tangential": (1, 1.5)}.items():
-            force = getattr(contact.history, f"{name}_force")
-            axes.plot(MICROSECONDS * contact.time, force, dashes=dashes, label=name, **look)
+        for force, style, name in (
+            (contact.force, "-", label),
+            (history.normal_force, "--", "normal"),
+            (history.tangential_force, ":", "tangential"),
+        ):
+            axes.plot(time, force, style, color=VERMILION, label=name)
         end = max(end, float(contact.time[-1]))
     axes.margins(y=0.1)
     draw_zero(axes)
-    first = 0.0 if measured is None else max(float(measured.time[0]), -BESIDE * curve.duration)
     axes.set_xlim(MICROSECONDS * first, MICROSECONDS * end)
-    axes.legend(loc="upper right", labelspacing=0.3)
+    axes.legend(loc="upper right")
     return figure
 
 
@@ -87,47 +78,50 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
-    figure = blank_figure(16.0, 12.8)
-    title = "one bristle in a turn, on the workpart"
-    _draw_turn(add_panel(figure, (1.5, 8.4, 12.8, 3.4), title), whole)
-    title = f"{whole.assembly.bristles:g} bristles behind a load cell of {whole.assembly.bandwidth:g} Hz"
-    place = (1.5, 1.2, 12.8, 4.7)
-    axes = add_panel(figure, place, title, xlabel="time (ms)", ylabel="normal force (N)")
+    figure = blank_figure(16.0, 11.4)
+    turn, axes = figure.subplots(2, height_ratios=(2, 3))
+    turn.set_title("one bristle in a turn, on the workpart")
+    _draw_turn(turn, whole)
+    assembly = whole.assembly
+    axes.set_title(
+        f"{assembly.bristles:g} bristles behind a load cell of {assembly.bandwidth:g} Hz"
+    )
+    axes.set(xlabel="time (ms)", ylabel="normal force (N)")
     series = load_cell_series(whole)
     force = series["normal_force (N)"]
     passes = whole.period * np.arange(PASSES)[:, np.newaxis]
     time = MILLISECONDS * (passes + series["time (s)"]).ravel()
     low, high = np.percentile(force, BAND)
-    levels = {"5 %": low, "mean": force.mean(), "95 %": high}
-    axes.axhspan(low, high, color=SKY, alpha=0.35, linewidth=0.0)
-    axes.plot(time, np.tile(force, PASSES), color=BLUE)
-    axes.axhline(levels["mean"], color=BLACK, linewidth=0.8)
-    words = [f"{name}:\n{level:.2f} N" for name, level in levels.items()]
-    axes.secondary_yaxis("right").set_yticks(list(levels.values()), words)
+    mean = force.mean()
+    axes.axhspan(
+        low, high, color=SKY, alpha=0.35, lw=0.0, label=f"5 to 95 %: {low:.2f} to {high:.2f} N"
+    )
+    axes.axhline(mean, color=BLACK, linewidth=0.8, label=f"mean: {mean:.2f} N")
+    axes.plot(time, np.tile(force, PASSES), color=BLUE, label="force")
     axes.set_xlim(0.0, MILLISECONDS * PASSES * whole.period)
-    axes.margins(y=0.15)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
 def _draw_turn(axes: Axes, whole: WholeTool) -> None:
     """Draw sustained forces of a bristle on the workpart, and impulses on the right scale."""
     turned = np.degrees(whole.tool.hub.speed)
-    pushes = [each for each in whole.forces[-1] if each.obstacle == "workpart"]
-    brief = [(turned * each.edges[0], 1e3 * each.integral[0]) for each in pushes if not each.course]
-    for each in pushes:
+    impulses = add_right_scale(axes)
+    for scale in (axes, impulses):
+        scale.yaxis.set_visible(False)
+    for each in whole.forces[-1]:
+        if each.obstacle != "workpart":
+            continue
         if each.course:
             time = np.linspace(each.edges[0], each.edges[-1], 200)
-            force = each.course(time)
-            axes.fill_between(turned * time, force, facecolor=SKY, edgecolor=BLUE)
-    impulses = add_right_scale(axes)
-    angles, sizes = np.reshape(brief, (-1, 2)).T
-    impulses.vlines(angles, 0.0, sizes, color=VERMILION, linewidth=1.4)
+            axes.fill_between(turned * time, each.course(time), facecolor=SKY, edgecolor=BLUE)
+            axes.yaxis.set_visible(True)
+        else:
+            impulses.vlines(turned * each.edges[0], 0.0, 1e3 * each.integral[0], color=VERMILION)
+            impulses.yaxis.set_visible(True)
+    impulses.set_ylim(bottom=0.0)
     impulses.set_ylabel("impulse (mN·s)", color=VERMILION)
-    axes.set_ylabel("sustained force (N)", color=BLUE)
-    axes.set_xlabel("turn of the hub (°)")
-    for scale, count in ((axes, len(pushes) - len(brief)), (impulses, len(brief))):
-        scale.margins(y=0.15)
-        scale.set_ylim(bottom=0.0)
-        scale.yaxis.set_visible(count > 0)
     draw_zero(axes)
-    axes.set(xlim=(0.0, 360.0), xticks=np.linspace(0.0, 360.0, 13))
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("sustained force (N)", color=BLUE)
+    axes.set(xlabel="turn of the hub (°)", xlim=(0.0, 360.0), xticks=range(0, 361, 30))

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
 from bristle_sim.arrays import Array
 from bristle_sim.readable import amount
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SKY, VERMILION
+from bristle_sim.render.colours import BLUE, GREEN, GREY, LIGHT, SKY, VERMILION
 from bristle_sim.render.drawing import (
     GROUND,
     HUB_COLOUR,
@@ -24,7 +23,7 @@ from bristle_sim.render.drawing import (
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
 from bristle_sim.render.story import Phase, phase_at
-from bristle_sim.render.style import Scale, draw_zero, scale_for, signed, styled
+from bristle_sim.render.style import draw_zero, scale_for, signed, styled
 from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.timed_contact import compression_end, pieces
 from bristle_sim.trajectory import ContactRecord
@@ -69,9 +68,9 @@ class ContactMotion:
         """Return the largest magnitude over time of the velocity or of the force."""
         return float(np.hypot(*(self.samples[f"{part}_{kind}"] for part in COLOURS)).max())
 
-    def at(self, name: str, time: float) -> float:
-        """Return a quantity at a time, s."""
-        return float(np.interp(time, self.time, self.samples[name]))
+    def at(self, time: float, *names: str) -> Array:
+        """Return quantities at a time, s."""
+        return np.array([np.interp(time, self.time, self.samples[name]) for name in names])
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
@@ -143,7 +142,7 @@ class TipDrawing:
         self.forces = add_arrows(axes, *COLOURS.values())
         self.moving = [self.trail, self.rod, self.forces]
         self._newton = LONGEST_FORCE * height / (motion.largest("force") or 1.0)
-        left = -motion.at("away", motion.touch_end)
+        left = -float(motion.at(motion.touch_end, "away")[0])
         if left > -CRATER * path[:, 1].min():
             why = f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {amount(left, 'm')}, below\nthe old surface."
             axes.text(0.03, 0.03, why, transform=axes.transAxes, fontsize=7.0)
@@ -151,11 +150,11 @@ class TipDrawing:
     def move(self, time: float) -> None:
         """Move the rod's end, its path so far and the arrows of the forces to a time, s."""
         motion = self._motion
-        tip = self._factor * np.array([motion.at("along", time), motion.at("away", time)])
+        tip = self._factor * motion.at(time, "along", "away")
         past = self._path[: np.searchsorted(motion.time, time, side="right")]
         self.trail.set_data(*np.vstack([past, tip]).T)
         self.rod.set_data(*(tip + self._rod).T)
-        up, aside = (self._newton * motion.at(f"{part}_force", time) for part in COLOURS)
+        up, aside = self._newton * motion.at(time, "normal_force", "tangential_force")
         # The normal arrow ends at the tip, since the rod is above the tip.
         self.forces.set_offsets([tip - [0.0, up], tip])
         self.forces.set_UVC([0.0, aside], [up, 0.0])
@@ -194,11 +193,10 @@ class ImpactFilm(Film):
         draw_rods(rods, line, impacts.chain.hub_radius)
         close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
         self.tip = TipDrawing(close_up, motion, line[-1] - line[-2])
-        self.markers: list[tuple[Line2D, str, float]] = []
-        self._draw_panel(0.5, "velocity of the tip", self.speed).legend(loc="upper right")
-        axes = self._draw_panel(0.1, "force on the tip", scale_for(motion.largest("force"), "N"))
+        self._draw_panel(0.5, "velocity of the tip", "m/s").legend(loc="upper right")
+        axes = self._draw_panel(0.1, "force on the tip", "N")
         axes.set_xlabel(f"time since the first touch ({clock.unit})")
-        self.moving = [*self.tip.moving, *self.hands, *(each for each, *_ in self.markers)]
+        self.moving = [*self.tip.moving, *self.hands]
         history = struck.contact.history
         assert history is not None
         compressed, touched = (
@@ -210,30 +208,29 @@ class ImpactFilm(Film):
         self.figure.text(0.98, 0.985, words, ha="right", va="top", color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move the tip and the markers to a time, s."""
-        motion = self.motion
+        """Move the tip to a time, s."""
         self.tip.move(time)
-        for marker, name, factor in self.markers:
-            marker.set_data([time * self.clock.factor], [motion.at(name, time) * factor])
-        texts = (
-            f"{word} {signed(motion.at(f'{part}_velocity', time) * self.speed.factor, 2, 7)} {self.speed.unit}"
-            for word, part in zip(("away", "along"), COLOURS, strict=True)
+        velocity = self.speed.factor * self.motion.at(
+            time, "normal_velocity", "tangential_velocity"
         )
-        half, _, sliding = (phase := phase_at(motion.phases, time).caption).partition(" ")
+        texts = (
+            f"{word} {signed(value, 2, 7)} {self.speed.unit}"
+            for word, value in zip(("away", "along"), velocity.tolist(), strict=True)
+        )
+        half, _, sliding = (phase := phase_at(self.motion.phases, time).caption).partition(" ")
         return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
 
-    def _draw_panel(self, bottom: float, title: str, scale: Scale) -> Axes:
+    def _draw_panel(self, bottom: float, title: str, unit: str) -> Axes:
+        """Draw both parts of the tip's velocity, or of the force on it, over time."""
         motion = self.motion
-        kind = title.split(maxsplit=1)[0]
+        kind = title.partition(" ")[0]
+        scale = scale_for(motion.largest(kind), unit)
         clock = self.clock.factor
         axes = self.add_timeline((0.685, bottom, 0.305, 0.33))
         draw_zero(axes)
         for part, color in COLOURS.items():
-            name = f"{part}_{kind}"
-            values = motion.samples[name] * scale.factor
+            values = motion.samples[f"{part}_{kind}"] * scale.factor
             axes.plot(motion.time * clock, values, color=color, linewidth=1.8, label=part)
-            (marker,) = axes.plot([], [], "o", color=color, markersize=6, markeredgecolor="white")
-            self.markers.append((marker, name, scale.factor))
         ends = [*(phase.start for phase in motion.phases[1:]), motion.time[-1]]
         for phase, end in zip(motion.phases, ends, strict=True):
             color = PHASE_COLOURS.get(phase.caption, "white")
@@ -244,7 +241,7 @@ class ImpactFilm(Film):
 
 
 def draw_rods(axes: Axes, centre_line: Array, hub_radius: float) -> None:
-    """Draw the rods at the strike.
+    """Draw the rods at the strike, with their root and hinges as dots.
 
     Args:
         axes: axes of the drawing.
@@ -253,18 +250,10 @@ def draw_rods(axes: Axes, centre_line: Array, hub_radius: float) -> None:
     """
     show_points(axes, [centre_line], 0.35)
     axes.set_axis_off()
-    x, y = centre_line[0]
     axes.axhspan(axes.get_ylim()[0], centre_line[-1, 1], **GROUND)
     axes.add_patch(Circle((0.0, 0.0), hub_radius, facecolor=HUB_COLOUR, edgecolor=GREY))
-    root = "hub" if hub_radius else "fixed"
-    axes.annotate(
-        root,
-        (x, y),
-        (-4.0, 16.0),
-        textcoords="offset points",
-        ha="right",
-        color=GREY,
-    )
-    axes.plot(*centre_line.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3)
-    axes.plot(*centre_line[1:-1].T, "o", color="white", markeredgecolor=BLACK, zorder=4)
-    axes.plot([x], [y], "o", color=GREEN, markersize=7, markeredgecolor="white", zorder=4)
+    root = "hub  \n" if hub_radius else "fixed  \n"
+    x, y = centre_line[0]
+    axes.text(x, y, root, ha="right", va="bottom", color=GREY)
+    axes.plot(*centre_line.T, color=BLUE, linewidth=4.0)
+    axes.plot(*centre_line[:-1].T, "o", color=GREEN, markeredgecolor="white", zorder=4)

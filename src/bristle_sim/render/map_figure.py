@@ -38,7 +38,6 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
     if found.formula is None:
         del looks[1]
     figure = style.blank_figure(16.0, 15.3)
-    figure.set_layout_engine("constrained")
     for axes, name in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, MAPS, strict=True):
         title, unit, factor = style.STRIKE_LOOKS[name]
         values = factor * maps[name]
@@ -49,8 +48,8 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
             half = max(abs(low), abs(high)) or 1.0
             look = {"norm": CenteredNorm(halfrange=half), "cmap": "RdBu"}
         cells = axes.pcolormesh(*places, values, shading="nearest", rasterized=True, **look)
-        figure.colorbar(cells, ax=axes, extend="both").ax.set_title(unit, fontsize=7.0, color=GREY)
-        axes.set_title(title, loc="left", fontsize=8.5)
+        figure.colorbar(cells, ax=axes, extend="both")
+        axes.set_title(f"{title} ({unit})")
         if np.nanmin(lags) < 0.0 < np.nanmax(lags):
             axes.contour(*places, lags, levels=[0.0], colors=BLACK, linewidths=0.9)
         axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim(), aspect="equal")

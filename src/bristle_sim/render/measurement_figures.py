@@ -14,12 +14,11 @@ from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, LIGHT, VERMILION
 from bristle_sim.render.drawing import show_points
 from bristle_sim.render.style import (
+    MICROMETRES,
     MICROSECONDS,
     MILLIMETRES,
     Look,
-    add_panel,
     blank_figure,
-    draw_colours,
     draw_zero,
     styled,
     write_key,
@@ -28,9 +27,9 @@ from bristle_sim.studies.film import FOLLOWED, MEASURED, FilmMap
 from bristle_sim.studies.measured_impacts import MEASURED_SPHERES, sphere_rebound
 
 SPHERES = {
-    "restitution": ("tangential velocity", "after over before"),
-    "spin": ("spin (rad/s)", "after"),
-    "rebound_angle": ("rebound angle (°)", "after"),
+    "restitution": "tangential velocity,\nafter over before",
+    "spin": "spin after (rad/s)",
+    "rebound_angle": "rebound angle (°)",
 }
 
 
@@ -41,45 +40,38 @@ def measured_figure(compliance: float) -> Figure:
     Points are measured. Curves are the law of impact for a contact that is rigid along the surface,
     and for one whose ratio of tangential to normal compliance is ``compliance``.
     """
-    figure = blank_figure(16.0, 7.6)
+    figure = blank_figure(16.0, 7.2)
     angle = np.linspace(0.5, 62.0, 400)
     rigid, elastic = (sphere_rebound(angle, each) for each in (0.0, compliance))
-    for place, (name, (title, words)) in enumerate(SPHERES.items()):
-        left = 1.3 + 5.1 * place
-        label = "angle of incidence (°)"
-        axes = add_panel(figure, (left, 1.9, 3.9, 4.4), title, words, xlabel=label)
+    for axes, (name, title) in zip(figure.subplots(1, 3), SPHERES.items(), strict=True):
+        axes.set(title=title, xlabel="angle of incidence (°)")
         axes.plot(angle, rigid[name], "--", color=VERMILION, label="rigid along the surface")
         axes.plot(angle, elastic[name], color=BLUE, label=f"elastic, η² = {compliance:g}")
         measured = MEASURED_SPHERES[name].T
         axes.plot(*measured, "o", color=BLACK, markersize=3.5, label="measured")
-    figure.legend(handles=axes.lines, loc="lower center", ncols=3)
+    figure.legend(handles=axes.lines, loc="outside lower center", ncols=3)
     return figure
 
 
 MAPS = {
-    "touches": ("touches", "within 0.5 ms", 1.0),
-    "compression_time": ("compression (µs)", "of the first touch", MICROSECONDS),
-    "crater_depth": ("crater (µm)", "the deepest", 1e6),
+    "touches": ("touches within 0.5 ms", 1.0),
+    "compression_time": ("first compression (µs)", MICROSECONDS),
+    "crater_depth": ("deepest crater (µm)", MICROMETRES),
 }
-"""Title, note and conversion factor of each map."""
+"""Title and conversion factor of each map."""
 
 # Values larger than this multiple of the measured one are left out of the contour, which would follow
 # their jump.
 MOST_ABOVE = 3.0
 SMEAR = 9  # number of positions of the wire that are drawn for one exposure
+NEAREST: Look = {"color": BLACK, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
+EXPOSED: Look = {"color": BLACK, "linewidth": 3.0}
 LOOKS: dict[str, Look] = {
-    "as measured (none: not reached)": {"color": VERMILION, "linewidth": 1.4},
-    "nearest pair": {
-        "color": BLACK,
-        "marker": "o",
-        "markerfacecolor": "white",
-        "markersize": 5.0,
-        "linestyle": "",
-    },
+    "as measured (none: not reached)": {"color": VERMILION},
+    "nearest pair": NEAREST,
     "continuous motion": {"color": BLUE},
-    "in the camera's exposures": {"color": BLACK, "linewidth": 3.0},
+    "in the camera's exposures": EXPOSED,
 }
-_, NEAREST, MOTION, EXPOSED = LOOKS.values()
 
 
 @styled()
@@ -88,21 +80,21 @@ def film_map_figure(film: FilmMap) -> Figure:
 
     Panels below show the pass that is nearest to the measurement, as a high-speed camera films it.
     """
-    figure = blank_figure(16.0, 14.0)
-    for number, (name, (title, words, factor)) in enumerate(MAPS.items()):
-        axes = add_panel(figure, (1.6 + 4.9 * number, 8.6, 3.4, 3.7), title, words)
+    figure = blank_figure(16.0, 12.5)
+    above, below = figure.subfigures(2, squeeze=False).flat
+    maps = above.subplots(1, 3, sharey=True)
+    for axes, (name, (title, factor)) in zip(maps, MAPS.items(), strict=True):
+        axes.set_title(title)
         _draw_map(axes, film, factor * film.results[name], factor * MEASURED[name])
-        axes.tick_params(labelleft=number == 0)
-        axes.set_ylabel("damping ratio of the wire" * (number == 0))
-    rate = f"{film.grid.frame_rate:g} frames a second"
-    words = f"{rate}, exposure {MICROSECONDS * film.grid.exposure:g} µs"
-    frames = add_panel(figure, (1.5, 1.9, 6.4, 4.4), "the nearest pass, filmed", words)
+    maps[0].set_ylabel("damping ratio of the wire")
+    frames, height = below.subplots(1, 2)
+    exposure = MICROSECONDS * film.grid.exposure
+    frames.set_title(f"{film.grid.frame_rate:g} frames a second, exposure {exposure:g} µs")
     frames.set(xlabel="along the workpart (mm)", ylabel="above the hub's axis (mm)")
-    words = "continuous, and in the camera's frames"
-    height = add_panel(figure, (9.6, 1.9, 5.9, 4.4), "the tip over the workpart", words)
+    height.set_title("the tip over the workpart")
     height.set(xlabel="time from the strike (µs)", ylabel="height (mm)")
     _draw_frames(frames, height, film)
-    write_key(figure, LOOKS, columnspacing=1.2)
+    write_key(figure, LOOKS)
     return figure
 
 
@@ -111,7 +103,8 @@ def _draw_map(axes: Axes, film: FilmMap, values: Array, measured: float) -> None
     values are as measured.
     """
     x, y = (np.arange(each.size) + 0.5 for each in (film.durations, film.dampings))
-    draw_colours(axes, x, y, values)
+    axes.grid(visible=False)
+    axes.figure.colorbar(axes.pcolormesh(x, y, values, rasterized=True), ax=axes)
     line = np.ma.masked_invalid(np.where(values > MOST_ABOVE * measured, np.nan, values))
     level = 1.5 if measured == 1.0 else measured  # of one touch, the border to two
     if line.count() and line.min() < level < line.max():
@@ -138,10 +131,10 @@ def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
     show_points(frames, [wires, [0.0, ground - 2.0]], 0.03)
     for wire in wires:
         frames.plot(*wire.T, color=BLACK, alpha=1.5 / SMEAR, linewidth=0.8)
-    frames.axhspan(frames.get_ylim()[0], ground, color=LIGHT, zorder=0)
+    frames.axhspan(2.0 * ground, ground, color=LIGHT, zorder=0)
     time = strike + np.linspace(-FOLLOWED, FOLLOWED, 801)
     tip = MILLIMETRES * film.run.at(time).tip[:, 1] - ground
-    height.plot(MICROSECONDS * (time - strike), tip, **MOTION)
-    tips = (MICROSECONDS * (exposed - strike)).T, (MILLIMETRES * shown.tip[..., 1] - ground).T
-    height.plot(*tips, zorder=3, **EXPOSED)
+    height.plot(MICROSECONDS * (time - strike), tip, color=BLUE)
+    tips = MILLIMETRES * shown.tip[..., 1] - ground
+    height.plot(MICROSECONDS * (exposed - strike).T, tips.T, zorder=3, **EXPOSED)
     draw_zero(height)

@@ -15,10 +15,8 @@ from bristle_sim.render.style import (
     MILLIMETRES,
     MILLISECONDS,
     Look,
-    add_panel,
     blank_figure,
     draw_zero,
-    note,
     styled,
 )
 from bristle_sim.studies.cue_timing import CueTiming
@@ -26,7 +24,6 @@ from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.theory.cueing import released_motion
 
 POINTS = 400  # number of points of the formula's curve
-PLAN = (8.6, 2.9, 7.2, 6.9)  # left, bottom, width and height of the drawing to scale, cm
 
 
 @styled()
@@ -39,19 +36,18 @@ def cue_figure(timing: CueTiming) -> Figure:
     Raises:
         ValueError: if the trajectory has no duration.
     """
-    figure = blank_figure(16.0, 11.1)
-    place = (1.5, 6.5, 5.8, 3.3)
-    retraction = add_panel(figure, place, "released from rest: retraction", ylabel="retraction (°)")
-    words = "up to the cue time, at which it is highest"
-    place = (1.5, 1.2, 5.8, 3.6)
-    title = "released from rest: relative speed"
-    speed = add_panel(figure, place, title, words, sharex=retraction)
+    figure = blank_figure(16.0, 9.2)
+    panels = figure.subplot_mosaic(
+        [["retraction", "plan"], ["speed", "plan"]], width_ratios=(1.0, 1.2)
+    )
+    retraction, plan, speed = panels.values()
+    retraction.set(title="released from rest", ylabel="retraction (°)")
+    speed.sharex(retraction)
     speed.set(xlabel="time since release (ms)", ylabel="relative speed (rad/s)")
     _draw_motion(retraction, speed, timing)
-    words = "to scale; filled: as given, blue: simulated, dashed: formula"
-    plan = add_panel(figure, PLAN, "where the bar must stand", words)
-    plan.set(xlabel="x (mm)", ylabel="y (mm)")
+    plan.set(title="where the bar must stand; grey: as given", xlabel="x (mm)", ylabel="y (mm)")
     _draw_plan(plan, timing)
+    figure.legend(*speed.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 
@@ -64,14 +60,11 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
         lines["quasi-static formula"] = (VERMILION, "--", instants, *motion)
     for name, (color, style, instants, angle, rate) in lines.items():
         time = instants * MILLISECONDS
-        label = f"{name}:\n{rate[-1]:.1f} rad/s after {time[-1]:.4g} ms"
+        label = f"{name}: {rate[-1]:.1f} rad/s after {time[-1]:.4g} ms"
         for axes, values in ((retraction, np.degrees(angle)), (speed, rate)):
             axes.plot(time, values, style, color=color, label=label)
-            axes.axvline(time[-1], color=color, linewidth=0.8, linestyle=":")
     draw_zero(retraction)
-    retraction.tick_params(labelbottom=False)
     speed.set(xlim=(0.0, None), ylim=(0.0, None))
-    speed.legend(loc="lower right", frameon=True, edgecolor="none")
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> None:
@@ -95,13 +88,13 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
     draw_tool(axes, tool)
     for name, (centre, look) in bars.items():
         draw_circle(axes, centre, given.radius, gid=name, **look)
-    names = (("released", GREY, 4.0, "right"), ("fastest", BLACK, -12.0, "left"))
-    for line, (name, color, up, side) in zip(timing.wires, names, strict=True):
+    names = (("released", GREY, "right", "bottom"), ("fastest", BLACK, "left", "top"))
+    for line, (name, color, side, edge) in zip(timing.wires, names, strict=True):
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
-        x, y = (0.65 * line[0] + 0.35 * line[-1]) * MILLIMETRES  # away from the bars
-        note(axes, name, (x, y), (-up, up), color=color, ha=side)
+        x, y = 0.5 * (line[0] + line[-1]) * MILLIMETRES
+        axes.text(x, y, f"  {name}  ", color=color, ha=side, va=edge)
 
 
 @styled()
@@ -109,11 +102,10 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     """Draw retraction (degrees) over the turn of the hub, and relative rate (rad/s) over
     retraction.
     """
-    figure = blank_figure(16.0, 8.6)
-    turn = add_panel(figure, (1.5, 1.9, 6.2, 5.6), "retraction")
+    figure = blank_figure(16.0, 8.0)
+    turn, phase = figure.subplots(1, 2)
     turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
-    phase = add_panel(figure, (9.5, 1.9, 6.2, 5.6), "rate relative to the hub")
-    phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
+    phase.set(xlabel="retraction (°)", ylabel="rate relative to the hub (rad/s)")
     contact = driven.pass_with_bar.first_contact("workpart")
     end = "no strike"
     if contact is not None:
@@ -130,5 +122,5 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
         phase.plot(retraction, course.relative_rate, color=color, **look)
     for axes in (turn, phase):
         draw_zero(axes)
-    figure.legend(handles=turn.lines[: len(runs)], loc="lower center", ncols=2)
+    figure.legend(handles=turn.lines[: len(runs)], loc="outside lower center", ncols=2)
     return figure

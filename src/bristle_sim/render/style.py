@@ -1,8 +1,8 @@
-"""The common look of pictures: fonts, panels with titles and notes, readable units, and files.
+"""The common look of pictures: fonts, panels, readable units, and files.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and
-pyplot is not imported. Sizes are printed centimetres. A full-width figure is 16 cm wide with text
-of 7 to 8 points.
+pyplot is not imported. matplotlib's constrained layout places panels and legends. Sizes are printed
+centimetres. A full-width figure is 16 cm wide with text of 7 to 8 points.
 """
 
 from __future__ import annotations
@@ -16,11 +16,9 @@ from typing import Any, NamedTuple
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
-from numpy.typing import ArrayLike
 
 from bristle_sim.files import checked_target, complete_or_absent
 from bristle_sim.render.colours import GREY
@@ -28,7 +26,8 @@ from bristle_sim.render.colours import GREY
 MILLIMETRES = 1e3
 MILLISECONDS = 1e3
 MICROSECONDS = 1e6
-"""Millimetres in a metre, milliseconds and microseconds in a second."""
+MICROMETRES = 1e6
+"""Millimetres and micrometres in a metre, milliseconds and microseconds in a second."""
 
 Look = dict[str, Any]
 """Options of a drawing function of matplotlib, by name."""
@@ -73,74 +72,19 @@ class NotebookFigure(Figure):
 def blank_figure(width_cm: float, height_cm: float) -> Figure:
     """Return an empty figure with the given printed size, cm."""
     size = (width_cm / CENTIMETRES_PER_INCH, height_cm / CENTIMETRES_PER_INCH)
-    return NotebookFigure(figsize=size, dpi=200.0)
+    return NotebookFigure(figsize=size, dpi=200.0, layout="constrained")
 
 
-def axes_at(
-    figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any
-) -> Axes:
-    """Add axes at a position (cm) from the figure's lower left corner.
-
-    ``options`` are those of ``Figure.add_axes``.
-    """
-    across, up = figure.get_size_inches() * CENTIMETRES_PER_INCH
-    return figure.add_axes((left / across, bottom / up, width / across, height / up), **options)
-
-
-def add_panel(
-    figure: Figure,
-    place: tuple[float, float, float, float],
-    title: str,
-    subtitle: str = "",
-    **options: Any,
-) -> Axes:
-    """Add axes with a title. Where a figure has several panels, letters precede their titles.
-
-    ``place`` is (left, bottom, width, height), cm. ``subtitle`` is a smaller line of the title.
-    """
-    titled = [axes for axes in figure.axes if axes.get_title(loc="left")]
-    if len(titled) == 1:
-        _set_title(titled[0], titled[0].get_title(loc="left"), "a")
-    axes = axes_at(figure, *place, **options)
-    _set_title(axes, title, "abcdefghij"[len(titled) % 10] if titled else "")
-    note(axes, subtitle, (0.0, 1.0), (0.0, 4.5), xycoords="axes fraction")
-    return axes
-
-
-def _set_title(axes: Axes, title: str, letter: str) -> None:
-    """Set the title of a panel, with a bold letter before it; the letter may be empty."""
-    text = f"$\\bf{{{letter}}}$  {title}" if letter else title
-    axes.set_title(text, loc="left", fontsize=8.5, pad=17.0)
-
-
-def write_key(target: Figure | Axes, looks: Mapping[str, Mapping[str, Any]], **place: Any) -> None:
+def write_key(figure: Figure, looks: Mapping[str, Look], **place: Any) -> None:
     """Add a legend, by default in one row at the foot.
 
     ``looks`` holds the style of each entry by name. ``place`` are options of matplotlib's
     ``legend``.
     """
     handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]
-    target.legend(handles=handles, **{"loc": "lower center", "ncols": len(handles), **place})
-
-
-def draw_colours(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: Any) -> Axes:
-    """Draw a map of coloured cells, and return the axes of its colour bar on the right."""
-    axes.grid(visible=False)
-    image = axes.pcolormesh(
-        x, y, values, shading="nearest", rasterized=True, **{"cmap": "viridis", **look}
+    figure.legend(
+        handles=handles, **{"loc": "outside lower center", "ncols": len(handles), **place}
     )
-    return add_colour_bar(axes, image, "neither")
-
-
-def add_colour_bar(axes: Axes, image: ScalarMappable, extend: str) -> Axes:
-    """Draw the colour bar of an image on the right of its axes, and return the axes of the bar."""
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    left, bottom, width, height = axes.get_position().bounds
-    scale = figure.add_axes((left + 1.03 * width, bottom, 0.1 / figure.get_figwidth(), height))
-    figure.colorbar(image, cax=scale, extend=extend)
-    scale.tick_params(labelsize=6.0, colors=GREY)
-    return scale
 
 
 def add_right_scale(axes: Axes) -> Axes:
@@ -151,36 +95,9 @@ def add_right_scale(axes: Axes) -> Axes:
     return right
 
 
-def note(
-    axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any
-) -> None:
-    """Write a short text in small letters beside a point; ``offset`` from the point is in points."""
-    axes.annotate(
-        words,
-        place,
-        offset,
-        **{"textcoords": "offset points", "fontsize": 7.0, "color": GREY, **look},
-    )
-
-
 def draw_zero(axes: Axes) -> None:
     """Draw a grey line where y is zero."""
     axes.axhline(0.0, color=GREY, linewidth=0.7, zorder=1)
-
-
-def name_above(axes: Axes, left: float = -0.04, **look: Any) -> None:
-    """Add a legend in one row above a panel; ``left`` is its left edge over the panel's width."""
-    handles, names = axes.get_legend_handles_labels()
-    named = dict(zip(names, handles, strict=True))  # lines of one name share an entry
-    place = (left, 0.985)
-    axes.legend(
-        list(named.values()),
-        list(named),
-        loc="lower left",
-        bbox_to_anchor=place,
-        ncols=len(named),
-        **look,
-    )
 
 
 def say(axes: Axes, words: str) -> None:
@@ -228,6 +145,8 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     stated = {"svg": ("Creator", "Date", "Format", "Type"), "pdf": ("CreationDate",)}
     none = dict.fromkeys(stated.get(kind, ()))
     with complete_or_absent(target) as partial, styled():
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # a second layout would move panels a little
         figure.savefig(partial, format=kind, metadata=none)
     return target
 

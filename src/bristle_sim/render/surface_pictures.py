@@ -19,13 +19,11 @@ from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import (
+    MICROMETRES,
     MILLIMETRES,
     Scale,
-    add_colour_bar,
-    add_panel,
     add_right_scale,
     blank_figure,
-    note,
     signed,
     styled,
 )
@@ -33,7 +31,6 @@ from bristle_sim.studies.ground import Ground
 from bristle_sim.studies.surface import MEASURED_RZ, BlastedSurface
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles
 
-MICRO = 1e6  # micrometres in a metre
 DEEPEST = 1.0  # percentile of the heights at the lower end of the colour scale
 LIGHT = LightSource(azdeg=270.0, altdeg=40.0)  # from the left, against the slide
 MAP = "cividis"
@@ -48,20 +45,19 @@ def surface_figure(made: BlastedSurface) -> Figure:
     The profile has its roughness section lengths marked. The curves are the roughness Rz and the
     coverage.
     """
-    figure = blank_figure(16.0, 16.2)
+    figure = blank_figure(16.0, 13.5)
+    ground, profile, course = figure.subplots(3, height_ratios=(2, 3, 3))
     low, high = MEASURED_RZ
-    words = (
-        f"Rz {MICRO * made.rz:.0f} µm (measured {MICRO * low:.0f} to {MICRO * high:.0f} µm)"
-        f" at {3600.0 * made.area_rate:.2f} m²/h, {100.0 * made.coverage:.1f} % covered, rule {made.blasting.crater_rule}"
+    ground.set_title(
+        f"Rz {MICROMETRES * made.rz:.0f} µm (measured {MICROMETRES * low:.0f} to {MICROMETRES * high:.0f} µm)"
+        f" at {3600.0 * made.area_rate:.2f} m²/h, {100.0 * made.coverage:.1f} % covered,"
+        f" rule {made.blasting.crater_rule};\nthe tips slide to the right, the light comes from the left"
     )
-    figure.text(1.5 / 16.0, 1.0 - 0.6 / 16.2, words, fontsize=9.0)
-    words = "the tips slide to the right"
-    axes = add_panel(figure, (1.5, 12.2, 12.4, 2.0), "height map, lit from the left", words)
     norm = _colours(made)
-    _show_heights(axes, made, _lit(made, made.heights, norm))
-    add_colour_bar(axes, ScalarMappable(norm, MAP), "min").set_title("µm", fontsize=7.0, color=GREY)
-    _draw_profile(add_panel(figure, (1.5, 6.9, 13.4, 3.2), "a profile along the slide"), made)
-    _draw_course(add_panel(figure, (1.5, 1.2, 12.0, 3.5), "while the belt passes"), made)
+    _show_heights(ground, made, _lit(made, made.heights, norm))
+    figure.colorbar(ScalarMappable(norm, MAP), ax=ground, extend="min", label="height (µm)")
+    _draw_profile(profile, made)
+    _draw_course(course, made)
     return figure
 
 
@@ -75,7 +71,7 @@ def _strike_times(made: BlastedSurface, strikes: ArrayLike) -> Array:
 
 def _colours(made: BlastedSurface) -> Normalize:
     deepest = float(np.percentile(made.heights, DEEPEST))
-    return Normalize(MICRO * deepest, MICRO * float(made.heights.max()))
+    return Normalize(MICROMETRES * deepest, MICROMETRES * float(made.heights.max()))
 
 
 def _lit(made: BlastedSurface, heights: Array, norm: Normalize, every: int = 1) -> Array:
@@ -84,9 +80,9 @@ def _lit(made: BlastedSurface, heights: Array, norm: Normalize, every: int = 1) 
     The picture has one in ``every`` cells along the slide.
     """
     across, along = heights.shape
-    dx = every * MICRO * made.blasting.ground_length / along
-    dy = MICRO * made.blasting.ground_width / across
-    shown = MICRO * heights[:, ::every]
+    dx = every * MICROMETRES * made.blasting.ground_length / along
+    dy = MICROMETRES * made.blasting.ground_width / across
+    shown = MICROMETRES * heights[:, ::every]
     return np.asarray(LIGHT.shade(shown, colormaps[MAP], norm, "soft", vert_exag=1.0, dx=dx, dy=dy))
 
 
@@ -105,7 +101,9 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
     """
     step = made.blasting.ground_length / made.heights.shape[1]
     cutoff = made.blasting.cutoff_wavelength
-    profile = MICRO * roughness_profiles(made.heights[made.heights.shape[0] // 2], step, cutoff)
+    profile = MICROMETRES * roughness_profiles(
+        made.heights[made.heights.shape[0] // 2], step, cutoff
+    )
     edges = np.rint(np.arange(SECTIONS + 1) * cutoff / step).astype(int)
     place = MILLIMETRES * step * np.arange(profile.size)
     for first, last in pairwise(edges.tolist()):
@@ -113,8 +111,8 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
         ends = MILLIMETRES * step * np.array([first, last])
         axes.fill_between(ends, section.min(), section.max(), color=SKY, alpha=0.25, linewidth=0.0)
         axes.axvline(ends[1], color=GREY, linewidth=0.6)
-        middle = (float(ends.mean()), float(section.max()))
-        note(axes, f"{np.ptp(section):.0f} µm", middle, (0.0, 2.0), ha="center")
+        words = f"{np.ptp(section):.0f} µm"
+        axes.text(ends.mean(), section.max(), words, ha="center", va="bottom", color=GREY)
     axes.plot(place[: edges[-1]], profile[: edges[-1]], color=BLUE, linewidth=0.8)
     axes.set_xlim(0.0, MILLIMETRES * step * edges[-1])
     axes.margins(y=0.15)
@@ -125,11 +123,11 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
 def _draw_course(axes: Axes, made: BlastedSurface) -> None:
     """Draw roughness Rz and coverage over the time under the belt."""
     time = _strike_times(made, made.course["strikes"])
-    roughness = MICRO * made.course["rz"]
+    roughness = MICROMETRES * made.course["rz"]
     low, high = MEASURED_RZ
-    axes.axhspan(MICRO * low, MICRO * high, color=GREY, alpha=0.2, linewidth=0.0)
-    axes.plot(time, roughness, color=BLUE, marker=".")
-    axes.set(xlim=(0.0, time[-1]), ylim=(0.0, 1.1 * max(MICRO * high, roughness.max())))
+    axes.axhspan(MICROMETRES * low, MICROMETRES * high, color=GREY, alpha=0.2, linewidth=0.0)
+    axes.plot(time, roughness, ".-", color=BLUE)
+    axes.set(xlim=(0.0, time[-1]), ylim=(0.0, 1.1 * max(MICROMETRES * high, roughness.max())))
     axes.set_xlabel("time under the belt (s); grey: measured Rz")
     axes.set_ylabel("Rz (µm)", color=BLUE)
     covered = add_right_scale(axes)
@@ -182,7 +180,7 @@ class SurfaceFilm(Film):
             x, y = made.places[each].tolist()
             self.ground.strike(x, y, float(made.depths[each]))
         self.picture.set_data(self._picture())
-        rz = MICRO * float(np.interp(number, made.course["strikes"], made.course["rz"]))
+        rz = MICROMETRES * float(np.interp(number, made.course["strikes"], made.course["rz"]))
         caption = f"{number} strikes, {3600.0 * made.area_rate:.2f} m²/h"
         covered = f"covered {100.0 * self.ground.coverage:5.1f} %"
         return caption, f"Rz {signed(rz, 0, 4)} µm", covered

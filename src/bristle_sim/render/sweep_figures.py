@@ -52,13 +52,12 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     panels = [*([] if found.outcome is None else [None]), *shown]
     rows = math.ceil(len(panels) / COLUMNS)
     figure = style.blank_figure(COLUMNS * WIDTH, rows * HEIGHT + 1.0)
-    figure.set_layout_engine("constrained")
     places = figure.subplots(rows, COLUMNS, sharex=True, squeeze=False).ravel()
     axis_labels = [_heading(axis) for axis in found.axes.values()]
     x, *others = (axis.values / axis.display[1] for axis in found.axes.values())
     for axes, quantity in zip(places, panels, strict=False):
         title = "outcome, coloured as above" if quantity is None else _heading(quantity)
-        axes.set_title("\n".join(textwrap.wrap(title, TITLE_LETTERS)), loc="left", fontsize=7.5)
+        axes.set_title("\n".join(textwrap.wrap(title, TITLE_LETTERS)), fontsize=7.5)
         axes.tick_params(labelbottom=True)
         if quantity is None:
             _draw_outcomes(axes, found.outcome, x, *others)
@@ -116,13 +115,6 @@ def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
 
 MOST = 6  # largest number of inputs shown for each output
 BAR = 0.36  # width of a bar; two stand at each input, 1 apart from the next two
-KEY = {
-    "passes, and their mean": {"color": SKY, "linewidth": 6.0},
-    "95 % of them": {"color": BLUE, "alpha": 0.12, "linewidth": 6.0},
-    "total Sobol index": {"color": VERMILION, "alpha": 0.45, "linewidth": 6.0},
-    "first-order index": {"color": BLUE, "alpha": 0.45, "linewidth": 6.0},
-    "95 % interval": {"color": GREY, "linewidth": 0.9},
-}
 
 
 @style.styled()
@@ -132,30 +124,30 @@ def tolerance_figure(study: Study) -> Figure:
     The histogram shows the mean and the 95 % interval.
     """
     figure = style.blank_figure(16.0, 3.8 * len(study.outputs) + 1.2)
-    figure.set_layout_engine("constrained")
     places = figure.subplots(len(study.outputs), 2, squeeze=False)
     for number, (left, right) in enumerate(places):
         name = study.outputs[number]
         title, unit, factor = style.STRIKE_LOOKS.get(name, (name.replace("_", " "), "", 1.0))
         values = factor * study.values[number]
-        left.hist(values, bins="auto", color=SKY)
-        left.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)
-        left.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
-        left.set(yticks=[], xlabel=unit)
-        left.set_title(title, loc="left")
+        left.hist(values, bins="auto", color=SKY, label="passes")
+        middle = np.percentile(values, (2.5, 97.5))
+        left.axvspan(*middle, color=BLUE, alpha=0.12, linewidth=0.0, label="95 % of them")
+        left.axvline(float(values.mean()), color=BLACK, linewidth=0.9, label="mean")
+        left.set(yticks=[], xlabel=unit, title=title)
         chosen = np.argsort(-study.total[number])[:MOST]
         rows = np.arange(chosen.size)
-        for indices, intervals, color, shift in (
-            (study.total, study.total_interval, VERMILION, -0.5 * BAR),
-            (study.first_order, study.first_order_interval, BLUE, 0.5 * BAR),
+        for words, indices, intervals, color, shift in (
+            ("total", study.total, study.total_interval, VERMILION, -0.5 * BAR),
+            ("first-order", study.first_order, study.first_order_interval, BLUE, 0.5 * BAR),
         ):
-            right.barh(rows + shift, indices[number, chosen], BAR, color=color, alpha=0.45)
-            ends = intervals[number, chosen].T
-            right.hlines(rows + shift, *ends, color=color, linewidth=0.9)
+            look = {"color": color, "alpha": 0.45, "label": f"{words} index, 95 % interval"}
+            right.barh(rows + shift, indices[number, chosen], BAR, **look)
+            right.hlines(rows + shift, *intervals[number, chosen].T, color=color, linewidth=0.9)
         right.set_yticks(rows, [study.inputs[each].replace("_", " ") for each in chosen])
         right.invert_yaxis()
         right.set_xlabel("Sobol index")
-    style.write_key(figure, KEY, ncols=3, loc="outside upper center")
+    named = zip(*(each.get_legend_handles_labels() for each in places[0]), strict=True)
+    figure.legend(*map(sum, named, ([], [])), ncols=3, loc="outside upper center")
     return figure
 
 
@@ -173,7 +165,6 @@ def trade_off_figure(found: Design) -> Figure:
     reached = {each.name: each.reached for each in found.wants} | found.varied
     across, *rows = curves
     figure = style.blank_figure(16.0, 4.0 * len(rows))
-    figure.set_layout_engine("constrained")
     panels = figure.subplots(len(rows), sharex=True, squeeze=False).ravel()
     for axes, name in zip(panels, rows, strict=True):
         pair = [curves[across], curves[name]]

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, SERIES, SKY, VERMILION
+from bristle_sim.render.colours import BLACK, SERIES, SKY
 from bristle_sim.render.drawing import draw_wires, touch_places
 from bristle_sim.render.film import HEADER, Film, TimeWarp, slow_motion
 from bristle_sim.render.story import Phase, phase_at, phases, story_end
-from bristle_sim.render.style import MILLIMETRES, Look, signed, styled
+from bristle_sim.render.style import MILLIMETRES, signed, styled
 from bristle_sim.trajectory import Interpolation, Trajectory
 
 if TYPE_CHECKING:
@@ -29,8 +29,8 @@ the last bristle's strike, as a fraction of the time before."""
 class ToolFilm(Film):
     """Film of a tool with one or several wires.
 
-    The tip of a single wire leaves a trail, a star marks its strike, and the wire's radial line and
-    other roots are shown. Rings mark where several wires touch each other.
+    The tip of a single wire leaves a trail, and the wire's radial line is shown. Rings mark where
+    several wires touch each other.
     """
 
     @styled()
@@ -63,21 +63,15 @@ class ToolFilm(Film):
         shown = [each.centre_line[each.time >= warp.physical[0]] for each in courses]
         margin = 0.04 if self.single else 0.08
         self.wires = draw_wires(
-            axes, tool, np.concatenate(shown), colors, margin=margin, details=self.single
+            axes, tool, np.concatenate(shown), colors, margin=margin, radial=self.single
         )
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-        contact = runs[0].first_contact("workpart")
-        self._timed = contact is not None and contact.history is not None
-        strike = runs[0].event_time("strike")
-        place = [] if strike is None else [MILLIMETRES * self._motions[0](strike).tip]
-        look: Look = {"color": VERMILION, "markersize": 22, "markeredgecolor": "white", "zorder": 3}
-        (self.star,) = axes.plot(*np.reshape(place, (-1, 2)).T, "*", visible=False, **look)
         (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK)
         artists = [each for wire in self.wires for each in wire.artists]
-        self.moving = [self.trail, *artists, self.star, self.rings]
+        self.moving = [self.trail, *artists, self.rings]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wires, trail, star and rings to a time in the run, s."""
+        """Move wires, trail and rings to a time in the run, s."""
         now = [motion(time) for motion in self._motions]
         caption = phase_at(self.story, time).caption
         lines = [each.centre_line for each in now]
@@ -89,10 +83,8 @@ class ToolFilm(Film):
             return caption, f"retraction of bristle {len(now)} {retraction}°"
         past = self._past.tip[: np.searchsorted(self._past.time, time, side="right")]
         self.trail.set_data(*(MILLIMETRES * np.vstack([past, now[0].tip])).T)
-        self.star.set_visible(caption == "strike")
-        speed = f"{now[0].tip_speed:5.1f} m/s"
-        read = f"tip {speed} {now[0].normal_force:5.1f} N" if self._timed else f"tip speed {speed}"
-        return caption, f"retraction {retraction}°", read
+        tip = f"tip {now[0].tip_speed:5.1f} m/s {now[0].normal_force:5.1f} N"
+        return caption, f"retraction {retraction}°", tip
 
 
 def pass_film(

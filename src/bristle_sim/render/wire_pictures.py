@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import CenteredNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -39,16 +40,13 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     The quantities are impulse, peak force, duration and crater depth, over the contact's duration
     and over the number of links that model the wire.
     """
-    figure = style.blank_figure(16.0, 13.6)
-    _draw_force(figure, struck)
-    links = struck.strike.tool.bristle.links
-    title = "measures over the number of links"
-    by_links = style.add_panel(figure, (9.4, 8.1, 6.3, 4.2), title)
+    figure = style.blank_figure(16.0, 12.5)
+    panels = figure.subplot_mosaic([["force", "links"], ["duration", "duration"]])
+    force, by_links, by_duration = panels.values()
+    _draw_force(force, struck)
     by_links.set(xlabel="number of links", ylabel="wire / rigid bristle")
-    title = "measures over the contact's duration"
-    by_duration = style.add_panel(figure, (1.4, 1.2, 14.3, 4.6), title, xscale="log")
-    by_duration.set_xlabel("contact of the rigid bristle, $T$ (µs)")
-    by_duration.set_ylabel(f"wire of {links} links / rigid bristle")
+    by_duration.set(xscale="log", xlabel="contact of the rigid bristle, $T$ (µs); dotted: as above")
+    by_duration.set_ylabel(f"wire of {struck.strike.tool.bristle.links} links / rigid bristle")
     durations = study.durations * style.MICROSECONDS
     for name, (words, color, marker) in LOOKS.items():
         look: style.Look = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
@@ -56,36 +54,39 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
         by_duration.plot(durations, study.by_duration[name], **look)
     by_links.xaxis.set_major_locator(MaxNLocator(integer=True))
     by_duration.xaxis.set_major_formatter("{x:g}")
+    by_duration.set_xlim(durations.min(), durations.max())
     own = struck.strike.contact.duration * style.MICROSECONDS
-    if durations.min() < own < durations.max():
-        by_duration.axvline(own, color=BLACK, linewidth=0.8, dashes=(2, 2), zorder=1)
-        style.note(by_duration, "as in a, b", (own, 0.0), (3.0, 5.0), color=BLACK)
+    by_duration.axvline(own, color=BLACK, linewidth=0.8, linestyle=":")
     for axes in (by_links, by_duration):
-        axes.axhline(1.0, color=GREY, linewidth=0.8, dashes=(4, 2), zorder=1)
+        axes.axhline(1.0, color=GREY, linewidth=0.8, linestyle="--")
         axes.set_ylim(bottom=0.0)
-        style.name_above(axes, handlelength=1.0, handletextpad=0.4, columnspacing=0.8)
+    figure.legend(*by_links.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 
-def _draw_force(figure: Figure, struck: FlexibleWire) -> None:
+def _draw_force(axes: Axes, struck: FlexibleWire) -> None:
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
-    clock = style.scale_for(max(rigid["time_in_touch"], own["time_in_touch"]), "s")
     times = rigid["peak_force"] / own["peak_force"]
-    title = f"the rigid bristle pushes {times:.2g} times as hard"
-    axes = style.add_panel(figure, (1.4, 8.1, 6.3, 4.2), title)
-    axes.set(xlabel=f"time since the first touch ({clock.unit})", ylabel="normal force (N)")
+    axes.set_title(f"the rigid bristle pushes {times:.2g} times as hard")
+    axes.set(xlabel="time since the first touch (µs)", ylabel="normal force (N)")
     wire = f"wire of {struck.strike.tool.bristle.links} links"
     for run, color, name, values in (
         (struck.rigid, GREY, "rigid bristle", rigid),
         (struck.wire, BLUE, wire, own),
     ):
-        time, force = _force(run)
         label = f"{name}, {amount(values['normal_final_impulse'], 'N s')}"
-        axes.fill_between(time * clock.factor, force, color=color, alpha=0.12, linewidth=0.0)
-        axes.plot(time * clock.factor, force, color=color, label=label)
+        _draw_course(axes, run, color, label)
     axes.set_xlim(left=0.0)
     axes.set_ylim(0.0, 1.3 * max(rigid["peak_force"], own["peak_force"]))
-    axes.legend(loc="upper right", labelspacing=0.3)
+    axes.legend(loc="upper right")
+
+
+def _draw_course(axes: Axes, run: Any, color: str, label: str = "") -> None:
+    """Draw the normal force of a run's contact over time (us), with the area below it shaded."""
+    touch, force = _force(run)
+    time = style.MICROSECONDS * touch
+    axes.fill_between(time, force, color=color, alpha=0.12, linewidth=0.0)
+    axes.plot(time, force, color=color, label=label)
 
 
 LONGEST_FORCE = 0.22  # length of the arrow of the largest force, over the height of the drawn wires
@@ -118,17 +119,13 @@ class WireFilm(Film):
         self._longest = LONGEST_FORCE * float(np.ptp(points[:, 1]))
         below = points.min(axis=0) - [0.0, self._longest]
         colors = (BLUE, ORANGE)
-        shown = np.vstack([points, below])
-        self.wires = draw_wires(axes, tool, shown, colors, margin=0.1)
+        self.wires = draw_wires(axes, tool, np.vstack([points, below]), colors, margin=0.1)
         self.arrow = add_arrows(axes, VERMILION)
         for run, color in zip(self._runs, colors, strict=True):
-            touch, pushed = _force(run)
-            clock = style.MICROSECONDS * touch
-            force.fill_between(clock, pushed, color=color, alpha=0.15, linewidth=0.0)
-            force.plot(clock, pushed, color=color, linewidth=1.8)
+            _draw_course(force, run, color)
         force.set_ylim(bottom=0.0)
-        force.set_title("normal force (N), as the arrow", loc="left")
-        wave.set_title("bending moment along the wire (mN·m)", loc="left")
+        force.set_title("normal force (N), as the arrow")
+        wave.set_title("bending moment along the wire (mN·m)")
         self.arrival = _draw_wave(wave, struck)
         artists = [each for wire in reversed(self.wires) for each in wire.artists]
         self.moving = [*artists, self.arrow, *self.hands]
@@ -182,18 +179,15 @@ def _draw_wave(axes: Axes, struck: FlexibleWire) -> float:
     length = bristle.length * style.MILLIMETRES
     half = 0.5 * length / bristle.links
     sides = (0.0, float(time[-1]) * style.MICROSECONDS, length - half, half)
-    picture = axes.imshow(
-        moments,
-        cmap="RdBu",
-        vmin=-most,
-        vmax=most,
-        extent=sides,
-        aspect="auto",
-        interpolation="bilinear",
-    )
+    look: style.Look = {
+        "cmap": "RdBu",
+        "norm": CenteredNorm(halfrange=most),
+        "interpolation": "bilinear",
+    }
+    picture = axes.imshow(moments, extent=sides, aspect="auto", **look)
     axes.set_ylim(length, 0.0)
-    axes.set_xlabel("time since the first touch (µs)")
-    axes.set_ylabel("from the root (mm)")
+    axes.set(xlabel="time since the first touch (µs)", ylabel="from the root (mm)")
     axes.grid(visible=False)
-    style.add_colour_bar(axes, picture, "neither").tick_params(labelsize="x-small")
+    scale = axes.inset_axes((1.03, 0.0, 0.03, 1.0))
+    axes.figure.colorbar(picture, cax=scale).ax.tick_params(labelsize="x-small")
     return float(time[np.argmax(np.abs(moments[0]) > ARRIVED * most)])
