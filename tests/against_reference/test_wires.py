@@ -12,8 +12,7 @@ import pytest
 from against_reference.test_tools import wire
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Tool, Workpart
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.build import time_scale
-from bristle_sim.scene.simulate import simulate
+from bristle_sim.scene.simulate import simulate, time_scale
 from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings, StopReason
 from bristle_sim.trajectory import Trajectory

@@ -6,13 +6,12 @@ import pytest
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.collisions import resolve_impacts
 from bristle_sim.scene.contact import ActiveContact
-from bristle_sim.scene.decide import decide
 from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import WorkpartPair
-from bristle_sim.scene.simulate import run_by_intervals
+from bristle_sim.scene.run import decide, run
 from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
 
 ERROR = 1e-6
@@ -39,20 +38,20 @@ def test_an_error_grows_over_an_impact_as_neighbouring_runs_part(
     scene = Scene(mechanism, Effects(pairs=(pair,)))
     time = 2e-4
 
-    def run(angle_error: float, rate_error: float, known: float = 0.0) -> System:
+    def impacted(angle_error: float, rate_error: float, known: float = 0.0) -> System:
         start = State(-time, (angle - time * rate + angle_error,), (rate + rate_error,))
         plan = Plan(time, 1e-10, longest_interval=time / 8.0)
         system = System(scene, start, Extrapolation(1e-13), plan)
         system.recording.error = known
-        for _ in run_by_intervals(system):
+        for _ in run(system):
             pass
         assert len(system.recording.contacts) == 1
         return system
 
-    simulated = run(0.0, 0.0, ERROR)
+    simulated = impacted(0.0, 0.0, ERROR)
     parted = max(
         abs(ours - theirs)
-        for neighbour in (run(ERROR, ERROR), run(ERROR, -ERROR), run(-ERROR, ERROR))
+        for neighbour in (impacted(ERROR, ERROR), impacted(ERROR, -ERROR), impacted(-ERROR, ERROR))
         for ours, theirs in zip(
             (*simulated.state.angles, *simulated.state.rates),
             (*neighbour.state.angles, *neighbour.state.rates),

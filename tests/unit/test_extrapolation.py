@@ -17,7 +17,7 @@ from bristle_sim.scene import extrapolation as repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.simulate import run
+from bristle_sim.scene.run import run
 from bristle_sim.scene.system import Plan, Recording, System
 
 REFEREE = 1e-13
@@ -65,7 +65,10 @@ def random_flight(
 def flown(scene: Scene, start: State, accuracy: float, duration: float) -> Recording:
     """A flight as a pass runs it: a tenth of the accuracy for each interval, 24 intervals a period at least."""
     plan = Plan(end=duration, accuracy=accuracy, longest_interval=2.0 * math.pi / 24.0)
-    return run(System(scene, start, Extrapolation(0.1 * accuracy), plan))
+    system = System(scene, start, Extrapolation(0.1 * accuracy), plan)
+    for _ in run(system):
+        pass
+    return system.recording
 
 
 def true_error(

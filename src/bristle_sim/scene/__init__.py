@@ -4,12 +4,12 @@ computation is in engine units.
 In reading order; a file imports only from files below it in this list:
 
 - ``snapshots``: a run interval by interval.
-- ``simulate``: the public functions, and the loop over intervals and events; ``strike``: a single
-  contact of a chain of rods or of a wire, by the same loop.
+- ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire.
 - ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and
   contacts in SI units.
-- ``decide``: the decision after an event; ``collisions``: impacts, and the growth of the run's
-  error over them; ``spring_phases``: the phases of a contact with a spring.
+- ``run``: the loop over intervals and events, and the decision after an event; ``collisions``:
+  impacts, and the growth of the run's error over them; ``spring_phases``: the phases of a contact
+  with a spring.
 - ``touches``: the first event of an interval, and gaps that close.
 - ``motion``: a smooth motion, integrated interval by interval.
 - ``locate``: the instant of an event, by a root finder; ``events``: the kinds of events, and the
@@ -20,8 +20,8 @@ In reading order; a file imports only from files below it in this list:
 - ``spring``: a contact with springs; ``spring_force``: its forces on the bodies; ``contact``: any
   contact that lasts, and the forces of the rigid ones.
 - ``extrapolation``: engine steps extrapolated over an interval.
-- ``build``: the pymunk space of a mechanism.
+- ``build``: the pymunk space of a mechanism, and the engine's steps.
 - ``solver``: joint and contact forces of several links, contact forces of a single link.
-- ``pairs``: the geometry of a link and an obstacle that can touch; ``engine``: calls of the engine.
+- ``pairs``: the geometry of a link and an obstacle that can touch.
 - ``mechanism``: chains of links.
 """

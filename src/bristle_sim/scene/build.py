@@ -6,27 +6,46 @@ position errors into the velocities. An interval of motion starts from bodies pl
 their joints; the drift off the joints within the interval is smooth in the step, so it vanishes
 when the step is extrapolated to zero. For the same reason touching shapes are not pushed apart
 (``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
+
+Operations done thousands of times per simulation call the engine (Chipmunk) directly: a step
+through pymunk's wrappers takes 0.77 us, of which the engine itself takes 0.34 us.
 """
 
 from __future__ import annotations
 
 import cmath
-import itertools
 import math
-from collections.abc import Sequence
+from array import array
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from operator import sub
+from typing import Any
 
-import numpy as np
 import pymunk
+from pymunk._chipmunk_cffi import ffi, lib
 
-from bristle_sim.scene.engine import EngineSpace
 from bristle_sim.scene.mechanism import Mechanism, State, xy
-from bristle_sim.scene.pairs import ContactPair
+from bristle_sim.scene.pairs import ClosedPair, ContactPair
 from bristle_sim.scene.solver import LinkVelocity, WireVelocities
 
 SHAPE_MARGIN = 0.02
 """Length by which the engine's shapes of obstacles are enlarged, over the link's length. The engine
 then detects each touch. It corrects no position, because the overlap is within its tolerance."""
+
+LONGEST_WARM_RATIO = 1e3
+"""Largest ratio of a step to the step before it at which the engine starts from the joint impulses
+of the step before. With a larger ratio, the scaled rounding error of these impulses would show."""
+
+LONGEST_SINGLE_RATIO = 2.0
+"""The same ratio where a single step of a length is taken. The engine scales the impulse that it
+applies, by the ratio s, but not the impulse that it remembers, which becomes 1 - s times as large.
+Further steps of the same length correct the remembered impulse. Without them, alternating short and
+long steps would make it grow without bound."""
+
+# number of links up to which a step counts once in ``work``; measured, the solver of the joints
+# takes 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
+LINKS_OF_A_STEP = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,12 +69,59 @@ class Effects:
     hinges: tuple[tuple[float, float], ...] = ()
 
 
-class Scene(EngineSpace):
-    """A mechanism as bodies, joints and springs of the engine.
+class Placer:
+    """Sets and reads the positions and velocities of bodies, by one engine call for each body.
 
-    Attributes, besides those of ``EngineSpace``:
+    ``values`` are six numbers for each body, as last set or read: centre x and y, angle, velocity
+    of the centre along x and y, rate.
+    """
+
+    def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
+        """Prepare to place the given bodies, in the given order."""
+        self._bodies = [body._body for body in bodies]
+        # Room for another body, or the engine would move the numbers to a place of its own.
+        self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
+        self._numbers = ffi.new(
+            "pmFloatArray *", (0, len(self.values), ffi.from_buffer("double[]", self.values))
+        )
+        fields = lib.POSITION | lib.ANGLE | lib.VELOCITY | lib.ANGULAR_VELOCITY
+        self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
+
+    def __call__(self, values: Sequence[float] | None) -> None:
+        """Set the bodies' positions and velocities to new ``values``; None sets them again."""
+        if values is not None:
+            self.values[: len(values)] = array("d", values)
+        self._numbers.num = 0
+        put = lib.pmSpaceBodySetIteratorFuncBatched
+        data = self._data
+        for body in self._bodies:
+            put(body, data)
+
+    def keep(self) -> None:
+        """Read the bodies' present positions and velocities into ``values``."""
+        self._numbers.num = 0
+        for body in self._bodies:
+            lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)
+
+
+class Scene:
+    """A mechanism as bodies, joints and springs of the engine, and the steps taken in it.
+
+    After each engine step, ``joint_solver`` corrects the velocities if a wire has several links or
+    a sustained contact is closed.
+
+    Attributes:
         mechanism: the links and the hub's motion.
         effects: springs, damping, gravity and contacts.
+        space: the pymunk space.
+        hub: kinematic body that carries the roots; None without a hub.
+        links: bodies of the links, in order from the root.
+        joints: pivots of the links, in order from the root.
+        joint_solver: solver of joints, damping and sustained contacts.
+        put: sets positions and velocities of all bodies.
+        steps: number of steps taken.
+        work: cost of the steps taken: a step counts once for every ``LINKS_OF_A_STEP`` links, or
+            part of them.
         placed: state and drift of the last call of ``place``.
         turned: whole revolutions (rad) that are subtracted from all angles in the engine.
     """
@@ -64,41 +130,63 @@ class Scene(EngineSpace):
         """Build the engine's bodies, joints and springs; all links are at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
-        space = pymunk.Space()
+        self.space = space = pymunk.Space()
         space.iterations = 1  # enough for one joint; the joints of several links are solved for
         space.collision_slop = 10.0 * SHAPE_MARGIN
         space.collision_bias = 1.0
-        space.collision_persistence = 1  # steps that the engine keeps a contact that has ended, which a record would read again
+        # steps that the engine keeps a contact that has ended, which a record would read again
+        space.collision_persistence = 1
         if effects.gravity:
             space.gravity = (0.0, -effects.gravity)
-        hub = None
+        self.hub = hub = None
         if mechanism.hub_radius or effects.stiffness is not None:
-            hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            self.hub = hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
             hub.angular_velocity = mechanism.hub_speed
             space.add(hub)
-        links, joints = _add_links(space, mechanism, hub)
-        _add_springs(space, mechanism, effects, hub, links)
-        belt = effects.damping if effects.stiffness is not None else 0.0
+        self.links, self.joints, springs = _add_links(space, mechanism, effects, hub)
+        self._dampings = [(spring, spring.damping) for spring in springs if spring.damping]
+        bodies = self.links if hub is None else [hub, *self.links]
+        self.put = Placer(bodies)
+        self._kept = Placer(bodies)
+        self._links = [link._body for link in self.links]
         hinges = effects.hinges or ((0.0, 0.0),) * (mechanism.wire_links - 1)
-        damping = [belt, *(hinge for _, hinge in hinges)]
-        make_solver = LinkVelocity if mechanism.single_link else WireVelocities
-        solver = make_solver(mechanism, damping, hub, links)
-        super().__init__(space, hub, links, joints, solver, jointed=mechanism.jointed)
+        damping = [0.0 if effects.stiffness is None else effects.damping, *(d for _, d in hinges)]
+        self.joint_solver: Any
+        if mechanism.single_link:
+            self.joint_solver = LinkVelocity(mechanism, damping, hub, *self.links)
+        else:
+            self.joint_solver = WireVelocities(mechanism, damping, hub, Placer(bodies))
+        space.step(0.0)  # all that was added is in the space from here on
+        # The pointer does not own the space. A reference to space._space must not outlive the pymunk
+        # space: the garbage collector, in another thread, may then remove bodies, shapes and
+        # constraints from the space while it is being freed.
+        bare = ffi.cast("cpSpace *", space._space)
+        self._engine_step: Callable[[float], None] = partial(lib.cpSpaceStep, bare)
+        self._last_length = math.inf
+        self.steps = self.work = 0
         self.turned = 0.0
         self.placed: tuple[State | None, float] = (None, 0.0)
+        self._solve: Callable[[float], None] | None = None
+        self.keep_closed(())
+
+    def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
+        """Keep the given sustained contacts closed from now on; () stands for none."""
+        solving = bool(contacts) or self.mechanism.jointed
+        if solving is (self._solve is None):
+            self._solve = self.joint_solver.solve if solving else None
+            for spring, damping in self._dampings:
+                spring.damping = 0.0 if solving else damping
+        if solving:
+            self.joint_solver.set_contacts(contacts)
 
     def place(self, state: State, drift: float = 0.0) -> None:
-        """Set positions and velocities of all bodies to a state.
-
-        Each body is then moved at its own constant velocity for the time ``drift``, which may be
-        negative.
+        """Set positions and velocities of all bodies to a state, and move each body at its own
+        constant velocity for the time ``drift``, which may be negative.
         """
-        again = self.placed[0] is state and self.placed[1] == drift
-        self.placed = (state, drift)
-        if again:
-            # Repetitions of one interval all start from one state.
-            self.put(None)
+        if self.placed[0] is state and self.placed[1] == drift:
+            self.put(None)  # repetitions of one interval all start from one state
             return
+        self.placed = (state, drift)
         values: list[float] = []
         if self.hub is not None:
             hub_angle = self.mechanism.root_angle(state.time + drift)
@@ -120,19 +208,115 @@ class Scene(EngineSpace):
         angles = [angle + self.turned for angle in values[:links]]
         return State(time, tuple(angles), tuple(values[links : 2 * links]))
 
+    def step_alone(self, length: float) -> None:
+        """Take one step of the engine without ``joint_solver``.
+
+        The next step does not start from the joint impulses of this step.
+        """
+        self.steps += 1
+        self._engine_step(length)
+        self._last_length = 0.0
+
+    def step(
+        self,
+        length: float,
+        count: int,
+        act: Callable[[], None] | None = None,
+        *,
+        symmetric: bool = False,
+        middle: list[list[float]] | None = None,
+    ) -> list[float]:
+        """Take engine steps of equal length.
+
+        Args:
+            length: length of a step.
+            count: number of steps; even for symmetric steps.
+            act: function that is called before each step.
+            symmetric: whether the steps are symmetric in time. The bodies must have been placed
+                where they would have been half a step earlier.
+            middle: list to which the angles and rates of all links after half of the steps are
+                added; None without them.
+
+        Returns:
+            The angles of all links, then their rates, then their accelerations in the last step, or
+                in the last two symmetric steps.
+        """
+        self.steps += count
+        self.work += count * math.ceil(len(self._links) / LINKS_OF_A_STEP)
+        if length > LONGEST_SINGLE_RATIO * self._last_length and (
+            count == 1 or length > LONGEST_WARM_RATIO * self._last_length
+        ):
+            self._forget_impulses(length)
+        self._last_length = length
+        if symmetric:
+            self.joint_solver.begin_symmetric()
+        engine_step = self._engine_step
+        solve = self._solve
+        half = count // 2
+        last = 2 if symmetric else 1
+        links = self._links
+        angle = lib.cpBodyGetAngle
+        rate = lib.cpBodyGetAngularVelocity
+        for left in range(count, 0, -1):
+            if left == half and middle is not None:
+                middle.append([*map(angle, links), *map(rate, links)])
+            if left == last:
+                before = [*map(rate, links)]
+            if act is not None:
+                act()
+            engine_step(length)
+            if solve is not None:
+                solve(length)
+        after = [*map(rate, links)]
+        if len(links) == 1:
+            # without lists, which would make a pass slower by a thirtieth
+            return [angle(links[0]), *after, (after[0] - before[0]) / length]
+        angles = [*map(angle, links)]
+        if symmetric:
+            self.joint_solver.symmetric = False
+            angles = [a + 0.5 * length * rate for a, rate in zip(angles, after, strict=True)]
+        return [*angles, *after, *[each / (last * length) for each in map(sub, after, before)]]
+
+    def _forget_impulses(self, length: float) -> None:
+        """Make the engine forget the joint impulses of the last step before much longer steps,
+        because it would scale them by the ratio of the lengths.
+        """
+        for joint in self.joints:
+            joint.max_force = 0.0
+        # The first step still applies them, to bodies that are put back; the second leaves those of
+        # contacts right.
+        for _ in range(2):
+            self._kept.keep()
+            self._engine_step(length)
+            self._kept(None)
+        for joint in self.joints:
+            joint.max_force = math.inf
+
 
 def _add_links(
-    space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None
-) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint]]:
-    """Add every link and its pivot to a space, and return them in order from the root."""
+    space: pymunk.Space, mechanism: Mechanism, effects: Effects, hub: pymunk.Body | None
+) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint], list[pymunk.DampedRotarySpring]]:
+    """Add every link, its pivot and its spring to a space, and return them in order from the root.
+
+    The springs must be added after the joints: the engine then damps velocities that the joints
+    have corrected already, and the result stays smooth in the step.
+    """
     bodies = []
     joints = []
+    springs = []
     for number, link in enumerate(mechanism.links):
-        if number % mechanism.wire_links == 0:
-            carrier = hub or space.static_body
-            lag = number // mechanism.wire_links * mechanism.pitch
-            anchor = -1j * cmath.rect(mechanism.hub_radius, -lag)
+        wire, place = divmod(number, mechanism.wire_links)
         body = pymunk.Body(link.mass, link.inertia)
+        if place == 0:
+            carrier = hub or space.static_body
+            lag = wire * mechanism.pitch
+            anchor = -1j * cmath.rect(mechanism.hub_radius, -lag)
+            if effects.stiffness is not None:
+                belt = (lag, effects.stiffness, effects.damping)
+                springs.append(pymunk.DampedRotarySpring(carrier, body, *belt))
+        elif effects.hinges:
+            hinge = effects.hinges[place - 1]
+            springs.append(pymunk.DampedRotarySpring(carrier, body, 0.0, *hinge))
         joint = pymunk.PivotJoint(carrier, body, xy(anchor), xy(-link.centre))
         joint.error_bias = 1.0
         space.add(body, joint)
@@ -140,30 +324,8 @@ def _add_links(
         joints.append(joint)
         carrier = body
         anchor = link.corners[-1] - link.centre
-    return bodies, joints
-
-
-def _add_springs(
-    space: pymunk.Space,
-    mechanism: Mechanism,
-    effects: Effects,
-    hub: pymunk.Body | None,
-    links: list[pymunk.Body],
-) -> None:
-    """Add the belt of every wire, and a torsion spring at each joint between links.
-
-    The springs must be added after the joints: the engine then damps velocities that the joints
-    have corrected already, and the result stays smooth in the step.
-    """
-    size = mechanism.wire_links
-    if hub is not None and effects.stiffness is not None:
-        for wire, link in enumerate(links[::size]):
-            spring = (wire * mechanism.pitch, effects.stiffness, effects.damping)
-            space.add(pymunk.DampedRotarySpring(hub, link, *spring))
-    joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
-    hinges = effects.hinges * mechanism.wires
-    for (stiffness, damping), (first, second) in zip(hinges, joints, strict=False):
-        space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
+    space.add(*springs)
+    return bodies, joints, springs
 
 
 MOST_DAMPING = 8.0
@@ -174,10 +336,10 @@ estimate would miss the error."""
 
 
 def damped_interval(scene: Scene) -> float:
-    """Return the longest interval in which the engine's steps resolve the damping.
+    """Return the longest interval in which the engine's steps resolve the damping; infinity without
+    damping.
 
-    The engine damps the links as free bodies, before the joints correct their velocities. Without
-    damping the interval is infinite.
+    The engine damps the links as free bodies, before the joints correct their velocities.
     """
     links = scene.mechanism.links
     belt = scene.effects.damping / links[0].inertia
@@ -186,40 +348,3 @@ def damped_interval(scene: Scene) -> float:
         [belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)]
     )
     return MOST_DAMPING / rate if rate else math.inf
-
-
-def time_scale(scene: Scene) -> float:
-    """Return the time scale of the motion: 1/omega of the fastest bending mode of the straight
-    chain, at most 1, in scene units.
-    """
-    if not (hinges := scene.effects.hinges):
-        return 1.0
-    wire = scene.mechanism.wire(0)
-    links = len(wire.links)
-    twists = np.eye(links)[1:] - np.eye(links)[:-1]
-    stiffness = twists.T @ np.diag([each for each, _ in hinges]) @ twists
-    mass = wire.mass_matrix(np.ones(links, complex))
-    return 1.0 / math.sqrt(
-        max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())
-    )
-
-
-def motion_scale(scene: Scene, start: State) -> float:
-    """Return the scale of a motion's errors: the relative rate that a free bristle reaches, at most
-    1, in scene units.
-
-    A bristle of natural frequency w that is released at rest at the angle a reaches the rate a w.
-    The scale is 1 for a bristle that does not move and for several links. With an obstacle the
-    scale is 1 too, because the bar gives the bristle a rate of the order of the hub's speed.
-    """
-    mechanism = scene.mechanism
-    effects = scene.effects
-    link = scene.mechanism.links[0]
-    if effects.pairs or not mechanism.single_link:
-        return 1.0
-    field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
-    stiffness = (effects.stiffness or 0.0) + link.mass * abs(link.centre) * field
-    swing = abs(start.angles[0] - mechanism.root_angle(start.time)) * math.sqrt(
-        stiffness / link.inertia_about_joint
-    )
-    return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0

@@ -1,6 +1,6 @@
 """Impacts at one instant, the contacts after them, and the growth of the run's error over them.
 
-:func:`bristle_sim.scene.decide.decide` calls the functions of this module.
+:func:`bristle_sim.scene.run.decide` calls the functions of this module.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_phases import look_up_slip
-from bristle_sim.scene.system import System
+from bristle_sim.scene.system import GAP_ROUNDING, System
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
 
@@ -112,10 +112,10 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
     lever = cross(touch.arm, touch.normal)
     rates = [math.inf]
     for other in system.pairs:
-        if other is not pair and system.touches(other):
+        if other is not pair:
             second = system.closest(other, system.state)
             second_lever = cross(second.arm, second.normal)
-            if lever * second_lever < 0.0:
+            if abs(second.gap) <= GAP_ROUNDING and lever * second_lever < 0.0:
                 drift = touch.velocity[0] / abs(lever)
                 rates.append(drift + second.velocity[0] / abs(second_lever))
     return min(rates)

@@ -73,7 +73,7 @@ class EngineLaw(ContactLaw):
         space.on_collision()
         space.remove(part, tip)
         rub, push = impulses[-1]
-        rates = tuple(scene.rates())
+        rates = tuple([body.angular_velocity for body in scene.links])
         after = mechanism.poses(state._replace(rates=rates))
         velocity = pair.closest(after, rates).velocity
         return state._replace(rates=rates), ContactRecord(

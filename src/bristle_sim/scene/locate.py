@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, ROUNDED_TOLERANCES, TURNS, Event
 from bristle_sim.scene.extrapolation import IntervalResult
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.mechanism import Curve, State
 from bristle_sim.scene.system import LEAST_VALUE, System
 
 LOCATED_VALUE = 1e-3
@@ -58,7 +58,7 @@ class Interval:
         instant: tolerance of time; a time no longer than this after the start counts as the start.
     """
 
-    __slots__ = ("_links", "_middle", "end", "first", "instant", "integrate_to", "length", "start")
+    __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")
 
     def __init__(
         self,
@@ -72,8 +72,7 @@ class Interval:
         self.start = first.state
         self.length = end.state.time - first.state.time
         self.instant = ONE_INSTANT * (1.0 + end.state.time)
-        self._middle = 0.0
-        self._links: list[tuple[float, ...]] = []
+        self._curve: Curve | None = None
 
     def at(self, time: float) -> State:
         """Return the state at a time after the start, by polynomial interpolation.
@@ -85,46 +84,9 @@ class Interval:
             return self.start
         if time == self.length:
             return self.end.state
-        if not self._links:
-            self._interpolate()
-        part = time / self.length
-        hump = part * (1.0 - part)
-        angles = []
-        rates = []
-        for angle, turn, bend, twist, lift, tilt in self._links:
-            raised = lift + tilt * (part - self._middle)
-            cubic = angle + part * (turn + part * (bend + part * twist))
-            angles.append(cubic + hump * hump * raised)
-            slope = turn + part * (2.0 * bend + 3.0 * part * twist)
-            slope += hump * (hump * tilt + 2.0 * (1.0 - 2.0 * part) * raised)
-            rates.append(slope / self.length)
-        return State(self.start.time + time, tuple(angles), tuple(rates))
-
-    def _interpolate(self) -> None:
-        """Compute the coefficients of each link's polynomial.
-
-        With the fraction s of the interval it is the cubic polynomial through angles and rates at
-        both ends, plus (s (1 - s))^2 times a linear function, which follows from angle and rate in
-        the middle.
-        """
-        length = self.length
-        middle = self.end.middle
-        if middle is not None:
-            self._middle = part = (middle.time - self.start.time) / length
-            hump = part * (1.0 - part)
-        _, ends, end_rates = self.end.state
-        for link, angle in enumerate(self.start.angles):
-            turn = length * self.start.rates[link]
-            change = ends[link] - angle
-            twist = turn + length * end_rates[link] - 2.0 * change
-            bend = change - turn - twist
-            lift = tilt = 0.0
-            if middle is not None:
-                lift = middle.angles[link] - angle - part * (turn + part * (bend + part * twist))
-                lift /= hump * hump
-                tilt = length * middle.rates[link] - turn - part * (2.0 * bend + 3.0 * part * twist)
-                tilt = (tilt - 2.0 * hump * (1.0 - 2.0 * part) * lift) / (hump * hump)
-            self._links.append((angle, turn, bend, twist, lift, tilt))
+        if self._curve is None:
+            self._curve = Curve(self.start, self.end.middle, self.end.state)
+        return self._curve.at(time)
 
     def up_to(self, end: IntervalResult) -> Interval:
         """Return the interval shortened to an earlier end; an end closer than ``instant`` to the

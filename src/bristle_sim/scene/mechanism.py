@@ -250,3 +250,47 @@ def cross(arm: complex, direction: complex) -> float:
     For a unit vector as the direction this is the lever of the force.
     """
     return (arm.conjugate() * direction).imag
+
+
+class Curve:
+    """Interpolating polynomial of the motion in an interval.
+
+    With the fraction s of the interval it is, for each link, the cubic polynomial through angles
+    and rates at both ends, plus (s (1 - s))^2 times a linear function, which follows from angle and
+    rate in the middle; without a middle it is the cubic polynomial alone.
+    """
+
+    def __init__(self, start: State, middle: State | None, end: State) -> None:
+        """Compute the coefficients of each link's polynomial."""
+        self._start = start.time
+        self._length = length = end.time - start.time
+        self._middle = part = 0.0 if middle is None else (middle.time - start.time) / length
+        hump = part * (1.0 - part)
+        self._links = []
+        for link, angle in enumerate(start.angles):
+            turn = length * start.rates[link]
+            change = end.angles[link] - angle
+            twist = turn + length * end.rates[link] - 2.0 * change
+            bend = change - turn - twist
+            lift = tilt = 0.0
+            if middle is not None:
+                lift = middle.angles[link] - angle - part * (turn + part * (bend + part * twist))
+                lift /= hump * hump
+                tilt = length * middle.rates[link] - turn - part * (2.0 * bend + 3.0 * part * twist)
+                tilt = (tilt - 2.0 * hump * (1.0 - 2.0 * part) * lift) / (hump * hump)
+            self._links.append((angle, turn, bend, twist, lift, tilt))
+
+    def at(self, time: float) -> State:
+        """Return the interpolated state at a time after the start."""
+        part = time / self._length
+        hump = part * (1.0 - part)
+        angles = []
+        rates = []
+        for angle, turn, bend, twist, lift, tilt in self._links:
+            raised = lift + tilt * (part - self._middle)
+            cubic = angle + part * (turn + part * (bend + part * twist))
+            angles.append(cubic + hump * hump * raised)
+            slope = turn + part * (2.0 * bend + 3.0 * part * twist)
+            slope += hump * (hump * tilt + 2.0 * (1.0 - 2.0 * part) * raised)
+            rates.append(slope / self._length)
+        return State(self._start + time, tuple(angles), tuple(rates))

@@ -13,7 +13,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.build import Effects, Scene, motion_scale
+from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.system import Recording, System
 from bristle_sim.scene.tool import Units
@@ -65,7 +65,7 @@ def trajectories_in_si(
                     wall,
                     cpu,
                     scene.steps,
-                    recording.error / motion_scale(scene, recording.states[0]),
+                    recording.error / system.plan.scale,
                     None if recording.lost is None else recording.lost * units.time,
                 ),
                 parameters=parameters,

@@ -1,5 +1,4 @@
-"""Public functions that simulate a tool, or a row of bristles, in pymunk from a given start, and
-the loop of a run.
+"""Public functions that simulate a tool, or a row of bristles, in pymunk from a given start.
 
 In flight nothing touches. Where a gap closes, the instant is located and the contact law resolves
 the impact. If the link is then pressed onto the obstacle, the contact is sustained, with Coulomb
@@ -10,38 +9,26 @@ contacts may be sustained at the same time.
 from __future__ import annotations
 
 import dataclasses
-import logging
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from bristle_sim.declared import Declared
 from bristle_sim.fields import quantity
 from bristle_sim.parameters import Tool
 from bristle_sim.parameters.tool import checked_tool
-from bristle_sim.scene.build import (
-    MOST_DAMPING,
-    Scene,
-    damped_interval,
-    motion_scale,
-    time_scale,
-)
-from bristle_sim.scene.collisions import end_contacts
-from bristle_sim.scene.decide import decide, first_motion
-from bristle_sim.scene.events import Happening
+from bristle_sim.scene.build import MOST_DAMPING, Scene, damped_interval
 from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.motion import Motion, accept, integrate
 from bristle_sim.scene.results import trajectories_in_si
-from bristle_sim.scene.system import Plan, Recording, System
+from bristle_sim.scene.run import run
+from bristle_sim.scene.system import Plan, System
 from bristle_sim.scene.tool import ONE_BRISTLE, Row, Units, build_tool, contact_law
-from bristle_sim.scene.touches import first_event
-from bristle_sim.settings import STOP_AFTER, Settings, StopReason
+from bristle_sim.settings import STOP_AFTER, Settings
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import shown
-
-log = logging.getLogger(__name__)
 
 # values of the entry "method" in a trajectory's parameters
 METHOD = "pymunk"
@@ -115,7 +102,8 @@ def simulate(
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, parameters = prepare(tool, settings, begin, stop_after=stop_after)
-    run(system)
+    for _ in run(system):
+        pass
     (simulated,) = trajectories_in_si(tool, system, units, parameters)
     return simulated
 
@@ -159,51 +147,9 @@ def simulate_row(
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
     begin = (start_hub_angle, 0.0, 0.0)
     system, units, parameters = prepare(tool, settings, begin, row, stop_after=stop_after)
-    run(system)
-    return trajectories_in_si(tool, system, units, parameters)
-
-
-def run(system: System) -> Recording:
-    """Run a system from its present state to the plan's end, and return the recording."""
-    for _ in run_by_intervals(system):
+    for _ in run(system):
         pass
-    return system.recording
-
-
-def run_by_intervals(system: System) -> Iterator[tuple[Motion, Happening | None]]:
-    """Run a system from its present state to the plan's end, interval by interval.
-
-    Yields:
-        Pairs of a motion and the event that has ended its interval, or None. The first pair is the
-            motion with which the run starts, and None. Each interval yields one pair at its end.
-            Each event yields a second pair: the motion that follows the event, and None. The last
-            pair is a motion without contacts, and None.
-    """
-    plan = system.plan
-    scene = system.scene
-    budget = scene.work + plan.maximum_steps
-    motion = first_motion(system)
-    yield motion, None
-    while system.recording.stop_reason is None:
-        if system.state.time >= plan.end * (1.0 - 1e-15):
-            system.stop(StopReason.END)
-            break
-        if scene.work >= budget:
-            system.stop(StopReason.STEP_BUDGET)
-            break
-        interval, event = integrate(system, motion)
-        if interval is not None:
-            interval, event = first_event(system, motion, interval)
-            accept(system, motion, interval)
-        log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
-        if interval is None and event is None:
-            continue
-        yield motion, event
-        if event is not None:
-            motion = decide(system, motion, event)
-            yield motion, None
-    end_contacts(system, motion.contacts, motion.contacts, str(system.recording.stop_reason))
-    yield Motion(), None
+    return trajectories_in_si(tool, system, units, parameters)
 
 
 def prepare(
@@ -254,6 +200,7 @@ def prepare(
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),
+        scale=motion_scale(scene, start),
     )
     damping = tool.bristle.bending_damping_ratio
     least_steps = DAMPED_STEPS * plan.end / plan.damped_interval
@@ -262,7 +209,7 @@ def prepare(
             f"wire_damping_ratio = {damping:g}: must be below {damping * settings.maximum_steps / least_steps:.3g},"
             f" or a run over this hub_turn takes more than {settings.maximum_steps} steps (dimensionless)"
         )
-    stepper = stepper_for(scene, settings, start, plan)
+    stepper = stepper_for(scene, settings, plan)
     law = contact_law(tool.contact, settings.accuracy, units.time)
     parameters = {
         "method": METHOD if row is ONE_BRISTLE else ROW_METHOD,
@@ -305,15 +252,14 @@ def samples_per_period(settings: Settings) -> int:
     return min(max(LEAST_NEEDED, needed), MOST_NEEDED)
 
 
-def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> Extrapolation:
+def stepper_for(scene: Scene, settings: Settings, plan: Plan) -> Extrapolation:
     """Return an integrator whose error in each interval is so small that the run has the requested
     accuracy.
 
     Raises:
         ValueError: if the motion is so small that rounding error exceeds the requested accuracy.
     """
-    scale = motion_scale(scene, start)
-    least = LEAST_NOISE / (LOCAL_FRACTION * scale)
+    least = LEAST_NOISE / (LOCAL_FRACTION * plan.scale)
     if settings.accuracy < least:
         raise ValueError(
             f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for so small and slow a motion,"
@@ -328,7 +274,43 @@ def stepper_for(scene: Scene, settings: Settings, start: State, plan: Plan) -> E
     tolerance = settings.accuracy * LOCAL_FRACTION / max(1.0, intervals / SOME_INTERVALS)
     longest = min(2.0 * plan.longest_interval, plan.damped_interval)
     damped_step = plan.damped_interval / DAMPED_STEPS
-    return Extrapolation(tolerance * scale, longest=longest, damped_step=damped_step)
+    return Extrapolation(tolerance * plan.scale, longest=longest, damped_step=damped_step)
+
+
+def time_scale(scene: Scene) -> float:
+    """Return the time scale of the motion: 1/omega of the fastest bending mode of the straight
+    chain, at most 1, in scene units.
+    """
+    if not (hinges := scene.effects.hinges):
+        return 1.0
+    wire = scene.mechanism.wire(0)
+    links = len(wire.links)
+    twists = np.eye(links)[1:] - np.eye(links)[:-1]
+    stiffness = twists.T @ np.diag([each for each, _ in hinges]) @ twists
+    mass = wire.mass_matrix(np.ones(links, complex))
+    return 1.0 / math.sqrt(
+        max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())
+    )
+
+
+def motion_scale(scene: Scene, start: State) -> float:
+    """Return the scale of a motion's errors: the relative rate that a free bristle reaches, at most
+    1, in scene units.
+
+    A bristle of natural frequency w that is released at rest at the angle a reaches the rate a w.
+    The scale is 1 for a bristle that does not move and for several links. With an obstacle the
+    scale is 1 too, because the bar gives the bristle a rate of the order of the hub's speed.
+    """
+    mechanism = scene.mechanism
+    effects = scene.effects
+    if effects.pairs or not mechanism.single_link:
+        return 1.0
+    link = mechanism.links[0]
+    field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
+    stiffness = (effects.stiffness or 0.0) + link.mass * abs(link.centre) * field
+    frequency = math.sqrt(stiffness / link.inertia_about_joint)
+    swing = abs(start.angles[0] - mechanism.root_angle(start.time)) * frequency
+    return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0
 
 
 def check_start(scene: Scene, tool: Tool, start: State) -> None:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.results import contacts_in_si
-from bristle_sim.scene.simulate import prepare, run_by_intervals
+from bristle_sim.scene.run import run
+from bristle_sim.scene.simulate import prepare
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 from bristle_sim.scene.tool import Units
@@ -115,7 +116,7 @@ def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:
     """Yield the snapshots of a system's run."""
     recording = system.recording
     event_count = record_count = 0
-    for motion, event in run_by_intervals(system):
+    for motion, event in run(system):
         time, angles, rates = system.state
         yield Snapshot(
             time=time * units.time,

@@ -47,7 +47,6 @@ import pymunk
 from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.engine import Placer
 from bristle_sim.scene.mechanism import Complexes, Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, FixedPair, contact_rows
 
@@ -82,8 +81,9 @@ class WireVelocities:
         mechanism: Mechanism,
         damping: Sequence[float],
         hub: pymunk.Body | None,
-        links: Sequence[pymunk.Body],
+        bodies: Any,
     ) -> None:
+        """Prepare the corrections; ``bodies`` is the ``build.Placer`` of hub and links."""
         from scipy.linalg.lapack import dposv  # imported where it is needed only
 
         self._solve = dposv
@@ -98,13 +98,13 @@ class WireVelocities:
             of_wire = np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)
             self._damping = np.kron(np.eye(mechanism.wires), of_wire)
         self._belt = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
-        lag = mechanism.pitch * (np.arange(len(links)) // size)
+        links = len(mechanism.links)
+        lag = mechanism.pitch * (np.arange(links) // size)
         self._roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
-        bodies = [*links] if hub is None else [hub, *links]
-        self._bodies = Placer(bodies)
-        rows = np.frombuffer(self._bodies.values)[: 6 * len(bodies)].reshape(-1, 6)
+        self._bodies = bodies
+        rows = np.frombuffer(bodies.values).reshape(-1, 6)
         self._hub = np.zeros(6) if hub is None else rows[0]
-        numbers = rows[-len(links) :]
+        numbers = rows[:links] if hub is None else rows[1 : links + 1]
         self._places = numbers[:, :2].view(np.complex128)[:, 0]
         self._angles = numbers[:, 2]
         self._motion = numbers[:, 3:]
@@ -273,7 +273,7 @@ class LinkVelocity:
         mechanism: Mechanism,
         damping: Sequence[float],
         hub: pymunk.Body | None,
-        links: Sequence[pymunk.Body],
+        body: pymunk.Body,
     ) -> None:
         self._mechanism = mechanism
         (link,) = mechanism.links
@@ -284,7 +284,7 @@ class LinkVelocity:
         self._speed = mechanism.hub_speed
         self._root = -1j * mechanism.hub_radius
         self._hub = None if hub is None else hub._body
-        self._body = links[0]._body
+        self._body = body._body
         self.impulses: list[list[tuple[float, float, float]]] = []
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:

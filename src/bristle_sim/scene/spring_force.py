@@ -9,9 +9,11 @@ contact-space inverse mass matrix.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
+
+from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.engine import point_calls, pusher
 from bristle_sim.scene.extrapolation import Load
 from bristle_sim.scene.impacts import contact_at
 from bristle_sim.scene.mechanism import State, xy
@@ -36,12 +38,13 @@ class SpringForce:
 
     def __init__(self, scene: Scene, spring: SpringContact) -> None:
         pair = spring.pair
-        body = scene.links[pair.link]
+        body = scene.links[pair.link]._body
         link = scene.mechanism.links[pair.link]
         self._spring = spring
-        self._push = pusher(body)
-        corner = link.corners[pair.corner] - link.centre
-        self._place, self._velocity = point_calls(body, xy(corner))
+        corner = xy(link.corners[pair.corner] - link.centre)
+        self._push = partial(lib.cpBodyApplyForceAtWorldPoint, body)
+        self._place = partial(lib.cpBodyLocalToWorld, body, corner)
+        self._velocity = partial(lib.cpBodyGetVelocityAtLocalPoint, body, corner)
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:

@@ -1,6 +1,6 @@
 """The phases of a contact with springs: touch, loading and unloading, stick and slip, release.
 
-Only :func:`bristle_sim.scene.decide.decide` calls these functions.
+Only :func:`bristle_sim.scene.run.decide` calls these functions.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.results import columns, contact_in_si, energies
-from bristle_sim.scene.simulate import run
+from bristle_sim.scene.run import run
 from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
 from bristle_sim.scene.tool import Units, build_tool, contact_law
 from bristle_sim.settings import Settings, StopReason
@@ -192,7 +192,10 @@ def struck(
         maximum_steps=settings.maximum_steps,
         single_contact=True,
     )
-    recording = run(System(scene, start, Extrapolation(settings.accuracy), plan, [pair], law))
+    system = System(scene, start, Extrapolation(settings.accuracy), plan, [pair], law)
+    for _ in run(system):
+        pass
+    recording = system.recording
     if recording.stop_reason in UNSOLVED:
         raise ValueError(UNSOLVED[recording.stop_reason])
     ((record, _), *_) = recording.contacts
@@ -263,7 +266,10 @@ def strike_wire(
             maximum_steps=settings.maximum_steps // 10,
             single_contact=True,
         )
-        states += run(System(scene, after, stepper, plan, [])).states[1:]
+        system = System(scene, after, stepper, plan, [])
+        for _ in run(system):
+            pass
+        states += system.recording.states[1:]
     return _in_si(scene, units, record, states, begin)
 
 
@@ -291,7 +297,7 @@ def wire_frequencies(tool: Tool) -> Array:
     changes = []
     for angles in SMALL_ANGLE * np.eye(tool.bristle.links):
         scene.place(State(0.0, tuple(angles.tolist()), straight))
-        scene.step(SHORT_STEP, 1)
-        changes.append(np.array(scene.rates()) / (SMALL_ANGLE * SHORT_STEP))
+        rates = scene.step(SHORT_STEP, 1)[len(angles) : 2 * len(angles)]
+        changes.append(np.array(rates) / (SMALL_ANGLE * SHORT_STEP))
     squares = np.sort(-np.linalg.eigvals(np.array(changes).T).real)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (math.tau * units.time))

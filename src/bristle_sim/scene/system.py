@@ -52,6 +52,7 @@ class Plan:
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less where
             hinges vibrate.
+        scale: scale of the motion's errors: the relative rate that a free bristle reaches, at most 1.
         single_contact: whether the run is a study of a single contact, without events of the
             motion's extremes.
         instant: shortest time resolved; within it no force moves a link by more than the accuracy.
@@ -69,6 +70,7 @@ class Plan:
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
     time_scale: float = 1.0
+    scale: float = 1.0
     single_contact: bool = False
     instant: float = field(init=False)
     shortest: float = field(init=False)
@@ -210,10 +212,6 @@ class System:
         approach.
         """
         return self.closest(pair, self.state).velocity[0]
-
-    def touches(self, pair: ContactPair) -> bool:
-        """Return whether a pair's gap is closed."""
-        return abs(self.closest(pair, self.state).gap) <= GAP_ROUNDING
 
     def sample(
         self,

@@ -63,10 +63,10 @@ def flight_attempts(case: Case) -> list[Attempt]:
         scene.place(start)
         for joint in scene.joints:
             joint.error_bias = 0.0
-        scene.step(end / count, count)
+        angle, rate, _ = scene.step(end / count, count)
         for joint in scene.joints:
             joint.error_bias = 1.0
-        return flown(scene.angles()[0], scene.rates()[0], before)
+        return flown(angle, rate, before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
         """Return the bristle's angle and rate relative to the hub, in SI units, and the number of

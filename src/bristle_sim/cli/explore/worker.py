@@ -256,7 +256,7 @@ class Watch(logging.Handler):
         """
         if self.stopped == self.number:
             raise StoppedError(STOPPED)
-        if record.name.endswith("scene.simulate") and time.monotonic() - self._reported > REPORTED:
+        if record.name.endswith("scene.run") and time.monotonic() - self._reported > REPORTED:
             self._reported = time.monotonic()
             pickle.dump(float(record.getMessage()), self._answers)
             self._answers.flush()

@@ -1,4 +1,5 @@
-"""The decision after an event: which contacts begin, which change, and which end.
+"""The loop of a run, and the decision after an event: which contacts begin, which change, and which
+end.
 
 :func:`decide` makes this decision for every kind of event: impacts, releases, passages of a contact
 from link to link, changes of slip, phases of contact springs, and rest. Impulses change the angular
@@ -8,6 +9,8 @@ constrains only velocities.
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterator
 from dataclasses import replace
 
 from bristle_sim.scene.collisions import end_contacts, jam, resolve_impacts
@@ -19,13 +22,16 @@ from bristle_sim.scene.events import (
     contact_events,
 )
 from bristle_sim.scene.extrapolation import IntervalResult
-from bristle_sim.scene.motion import Motion, motion_events
+from bristle_sim.scene.motion import Motion, accept, integrate, motion_events
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_force import ContactLoad
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
-from bristle_sim.scene.system import System
+from bristle_sim.scene.system import GAP_ROUNDING, System
+from bristle_sim.scene.touches import first_event
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason
+
+log = logging.getLogger(__name__)
 
 EXTREMES = {
     Kind.LARGEST_RETRACTION: LARGEST_RETRACTION,
@@ -35,13 +41,48 @@ EXTREMES = {
 """Names of the events that change no contact."""
 
 
+def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
+    """Run a system from its present state to the plan's end, interval by interval.
+
+    Yields:
+        Pairs of a motion and the event that has ended its interval, or None. The first pair is the
+            motion with which the run starts, and None. Each interval yields one pair at its end.
+            Each event yields a second pair: the motion that follows the event, and None. The last
+            pair is a motion without contacts, and None.
+    """
+    plan = system.plan
+    scene = system.scene
+    budget = scene.work + plan.maximum_steps
+    motion = first_motion(system)
+    yield motion, None
+    while system.recording.stop_reason is None:
+        if system.state.time >= plan.end * (1.0 - 1e-15):
+            system.stop(StopReason.END)
+            break
+        if scene.work >= budget:
+            system.stop(StopReason.STEP_BUDGET)
+            break
+        interval, event = integrate(system, motion)
+        if interval is not None:
+            interval, event = first_event(system, motion, interval)
+            accept(system, motion, interval)
+        log.debug("%.4f", system.state.time / plan.end)  # fraction of the run that is done
+        if interval is not None or event is not None:
+            yield motion, event
+        if event is not None:
+            motion = decide(system, motion, event)
+            yield motion, None
+    end_contacts(system, motion.contacts, motion.contacts, str(system.recording.stop_reason))
+    yield Motion(), None
+
+
 def first_motion(system: System) -> Motion:
     """Return the motion with which a run starts."""
     motion = begin_motion(system, Motion())
     for pair in system.pairs:
-        if system.recording.stop_reason is not None or not system.touches(pair):
-            continue
-        if system.approach(pair) <= 0.0:
+        touch = system.closest(pair, system.state)
+        closes = abs(touch.gap) <= GAP_ROUNDING and touch.velocity[0] <= 0.0
+        if closes and system.recording.stop_reason is None:
             motion = decide(system, motion, Happening(Kind.TOUCH, pair))
     return motion
 
