@@ -221,11 +221,11 @@ class Range(Declaration):
             ValueError: if the value is no number or out of range; the message names key, value,
                 range and unit.
         """
-        number = math.nan
-        if not isinstance(value, bool) and isinstance(value, Real):
-            # integers may be too large, and NumPy's durations are no numbers
-            with suppress(OverflowError, TypeError):
-                number = float(value)
+        try:
+            real = not isinstance(value, bool) and isinstance(value, Real)
+            number = float(value) if real else math.nan
+        except (OverflowError, TypeError):  # too large an integer, or a duration of NumPy
+            number = math.nan
         if self._holds(number):
             return int(number) if self.whole else number + 0.0
         # A number without unit may have been meant in the customary unit, for example 27 in mm.
