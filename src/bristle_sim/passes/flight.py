@@ -89,7 +89,7 @@ def fly(passes: Passes, accuracy: float) -> Chosen:
     samples = Samples(FRACTIONS * step, *course.sampled(step))
     place = step.copy()
     code = np.full(passes.size, FLIES)
-    for obstacle, chosen in ((WORKPART, low(passes, samples)), (BAR, near)):
+    for obstacle, chosen in ((WORKPART, low(passes, step)), (BAR, near)):
         closing, margin = first_closing(obstacle, passes, course.motion, samples, chosen)
         passes.error[margin < accuracy] = 1.0
         code[closing <= place] = obstacle
@@ -131,20 +131,13 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
     return step, near
 
 
-def low(passes: Passes, samples: Samples) -> Chosen:
-    """Return the indices of the wires whose tip may reach the workpart during a step.
-
-    Root and tip are at their lowest where the hub angle and the wire's absolute angle are nearest
-    to zero. Between samples three segments apart an angle moves by less than at its largest rate.
+def low(passes: Passes, turn: Array) -> Chosen:
+    """Return the indices of the wires whose root is low enough, during a turn of the hub, for the tip
+    of a vertical wire to reach the workpart.
     """
-    turn = 0.5 * samples.turn[-1]
-    angles = samples.angle[::3]
-    most, least = angles.max(axis=0), angles.min(axis=0)
-    slack = 3.0 * SEGMENT * turn * np.abs(samples.rate).max(axis=0)
-    middle = passes.hub_angle + turn
-    aside = np.abs(half_turn(middle)) - turn
-    tilt = np.abs(half_turn(middle + 0.5 * (most + least))) - turn - slack - 0.5 * (most - least)
-    lowest = passes.radius * np.cos(np.maximum(aside, 0.0)) + np.cos(np.maximum(tilt, 0.0))
+    half = 0.5 * turn
+    aside = np.abs(half_turn(passes.hub_angle + half)) - half
+    lowest = passes.radius * np.cos(np.maximum(aside, 0.0)) + 1.0
     return np.flatnonzero(lowest >= passes.depth)
 
 

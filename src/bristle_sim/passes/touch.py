@@ -188,7 +188,7 @@ def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chos
         guess = begin + (end - begin) * before / (before - after)
         place[released] = root(pressure_of, (begin, end), after, guess)
 
-    strike, _ = first_closing(WORKPART, passes, lying_of, samples, low(passes, samples))
+    strike, _ = first_closing(WORKPART, passes, lying_of, samples, low(passes, length))
     how[strike <= place] = WORKPART
     place = np.minimum(place, strike)
     move(passes, lying_of, samples, place)
