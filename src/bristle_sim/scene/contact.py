@@ -237,8 +237,10 @@ class RigidContacts:
         """Return the index of the first sticking contact whose tangential force exceeds the
         friction limit, or None.
         """
-        stuck = (index for index, each in enumerate(self.closed) if each.slip == 0)
-        return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
+        for index, contact in enumerate(self.closed):
+            if contact.slip == 0 and self.spare_friction(totals, index) < 0.0:
+                return index
+        return None
 
     def compliance_in_slip(self, state: State, index: int) -> float:
         """Return the relative compliance of a contact in slip.
