@@ -115,10 +115,9 @@ def draw_panel(axes: Axes, panel: Panel | None, table: Sequence[Sequence[str]] =
         axes.set_axis_off()
         drawn = axes.table(table, bbox=Bbox.unit(), edges="horizontal", cellLoc="right")
         drawn.auto_set_font_size(False)
-        for (row, _), cell in drawn.get_celld().items():
-            weight = "bold" if row in (0, len(table) - 1) else "normal"
+        drawn.set_fontsize(6.0)
+        for cell in drawn.get_celld().values():
             cell.set_linewidth(0.4)
-            cell.set_text_props(weight=weight, fontsize=6.0)
         return
     x, y = panel.x.factor, panel.y.factor
     for curve, color in zip(panel.curves, SERIES, strict=False):
