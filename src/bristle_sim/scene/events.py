@@ -209,24 +209,24 @@ def _rigid_events(
     single = system.mechanism.single_link
     least = LEAST_OF_SINGLE_LINK if single else LEAST_COMPLIANCE_IN_SLIP
 
-    def compliance(at: IntervalResult) -> float:
-        return rigid.compliance_in_slip(at.state, index) - least
-
-    def push(at: IntervalResult) -> float:
-        return sums_of(at.totals, index).normal if at.totals else math.nan
-
-    def spare(at: IntervalResult) -> float:
-        return rigid.spare_friction(at.totals, index) if at.totals else math.nan
-
-    def slip(at: IntervalResult) -> float:
-        return (contact.slip or 0) * system.closest(pair, at.state).velocity[1]
-
-    yield Event(Kind.LOCKED, contact, compliance)
-    yield Event(Kind.RELEASE, (contact,), push)
+    yield Event(Kind.LOCKED, contact, lambda at: rigid.compliance_in_slip(at.state, index) - least)
+    yield Event(
+        Kind.RELEASE,
+        (contact,),
+        lambda at: sums_of(at.totals, index).normal if at.totals else math.nan,
+    )
     if contact.slip == 0:
-        yield Event(Kind.BREAKS_AWAY, contact, spare)
-    elif contact.slip:
-        yield Event(Kind.SLIP_STOPS, contact, slip)
+        yield Event(
+            Kind.BREAKS_AWAY,
+            contact,
+            lambda at: rigid.spare_friction(at.totals, index) if at.totals else math.nan,
+        )
+    elif sense := contact.slip:
+        yield Event(
+            Kind.SLIP_STOPS,
+            contact,
+            lambda at: sense * system.closest(pair, at.state).velocity[1],
+        )
 
 
 def _bar_events(

@@ -55,8 +55,10 @@ class Link:
 
     def pose(self, joint: complex, velocity: complex, turn: complex) -> Pose:
         """Return the link's position; ``turn`` is e^{i angle}."""
-        corners = [joint + turn * corner for corner in self.corners[1:]]
-        return Pose(joint, velocity, turn * self.centre, (joint, *corners))
+        corners = [joint]
+        for corner in self.corners[1:]:
+            corners.append(joint + turn * corner)
+        return Pose(joint, velocity, turn * self.centre, tuple(corners))
 
 
 class State(NamedTuple):
