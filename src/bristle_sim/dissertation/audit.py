@@ -98,12 +98,14 @@ def audit_rows() -> tuple[AuditRow, ...]:
     return tuple(audit_row(row, figures[where]) for where, row in printed_rows().items())
 
 
-def audit_row(row: Printed, figure: Figure) -> AuditRow:
+def audit_row(row: Printed, figure: Figure | float) -> AuditRow:
     """Return the verdict on a printed number or statement, given the value by the equations.
 
     Raises:
         ArithmeticError: if the value is not finite.
     """
+    if not isinstance(figure, Figure):
+        figure = Figure(figure)
     printed = float(row.printed) if row.printed else row.statement
     if figure.value is None:
         return AuditRow(row.where, printed, row.unit, None, NOT_COMPUTABLE, figure.why)

@@ -67,15 +67,13 @@ def cue_figures() -> Figures:
         f" {1e3 * stiff.bar_horizontal:.2f} and {1e3 * stiff.bar_vertical:.2f} mm"
     )
     return {
-        "fig. 1.5: hub speed": Figure(3050 / 60),
-        "eq. 2.2: hub speed of 2500 rpm": Figure(2 * math.pi * (2500 / 60)),
-        "eq. 2.2: impact angle for a penetration of 4.5 mm": Figure(
-            math.degrees(plain.impact_angle)
-        ),
+        "fig. 1.5: hub speed": 3050 / 60,
+        "eq. 2.2: hub speed of 2500 rpm": 2 * math.pi * (2500 / 60),
+        "eq. 2.2: impact angle for a penetration of 4.5 mm": math.degrees(plain.impact_angle),
         "fig. 4.2: rate before the impact": Figure(
             SPEED_RATIO * tool.hub.speed, "R times the hub's speed; R itself has a row of its own"
         ),
-        "eq. 4.3: speed of the tip": Figure(tip_speed(length, radius, tool.hub.speed, SPEED_RATIO)),
+        "eq. 4.3: speed of the tip": tip_speed(length, radius, tool.hub.speed, SPEED_RATIO),
         "fig. 2.7: mass of the bristle": Figure(
             None,
             "the density is not printed; a steel wire of this size (7850 kg/m^3) weighs"
@@ -265,8 +263,8 @@ def restitution_figures() -> Figures:
             " L phi' + r_h theta'",
             holds=abs(radius / length - 1) < 0.001,
         ),
-        "fig. 4.15: least friction tan(23.4 deg)": Figure(stiction),
-        "fig. 4.14: least friction tan(24 deg)": Figure(math.tan(math.radians(24))),
+        "fig. 4.15: least friction tan(23.4 deg)": stiction,
+        "fig. 4.14: least friction tan(24 deg)": math.tan(math.radians(24)),
     }
 
 

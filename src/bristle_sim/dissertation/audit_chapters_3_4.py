@@ -65,17 +65,17 @@ def force_history_figures() -> Figures:
         ForceCurve.of_impact(1, 0, 2 * each.swing, each.duration).offset for each in (BALL, BRISTLE)
     )  # F* is twice the swing
     return {
-        "eq. 3.5: constant part of the bracket": Figure(ball),
-        "eq. 3.5: t_o from T = 0.006 s": Figure(0.006 / 12),
+        "eq. 3.5: constant part of the bracket": ball,
+        "eq. 3.5: t_o from T = 0.006 s": 0.006 / 12,
         "eq. 3.5: amplitude c": Figure(None, NO_POINTS),
         "eq. 3.5: decay lambda": Figure(None, NO_POINTS),
-        "eq. 3.6: time of the largest force": Figure(BALL.peak_time()),
+        "eq. 3.6: time of the largest force": BALL.peak_time(),
         "eq. 3.7: compressive impulse of the ball": Figure(
             ball_impulse,
             f"the curve gives {ball_impulse:.4f} N s: two digits changed places, and the unit is that of an"
             " impulse; (3.17) divides by 0.4629 and table 3.1 needs it",
         ),
-        "eq. 3.17: compressive impulse of the ball": Figure(ball_impulse),
+        "eq. 3.17: compressive impulse of the ball": ball_impulse,
         "sec. 3.1: peak force within 5 % of the measured one": within(
             BALL.peak_force() / (2 * BALL.swing) - 1,
             0.05,
@@ -100,21 +100,21 @@ def force_history_figures() -> Figures:
             )
             for number, (part, rounded) in enumerate(zip(segments, roundings, strict=True), 1)
         },
-        "eq. 3.17: impulse of segment 1": Figure(0.0001 * segments[0]),
+        "eq. 3.17: impulse of segment 1": 0.0001 * segments[0],
         "eq. 3.18: fourth summand": Figure(
             segments[3],
             f"a digit is lost: 1.18 as in table 3.1; only with it the sum is {total:.2f}e-4 N s",
         ),
-        "eq. 3.18: sum of the segments": Figure(0.0001 * total),
+        "eq. 3.18: sum of the segments": 0.0001 * total,
         "eq. 3.18: the normalized impulses add up to 1": Figure(
             total / (1e4 * BRISTLE_IMPULSE), holds=abs(total / (1e4 * BRISTLE_IMPULSE) - 1) < 0.005
         ),
-        "eq. 3.19: constant part of the bracket": Figure(bristle),
-        "eq. 3.19: t_o from T = 0.00012 s": Figure(0.00012 / 12),
+        "eq. 3.19: constant part of the bracket": bristle,
+        "eq. 3.19: t_o from T = 0.00012 s": 0.00012 / 12,
         "eq. 3.19: amplitude c": Figure(None, not_fitted),
         "eq. 3.19: decay lambda": Figure(None, not_fitted),
-        "eq. 3.20: compression time": Figure(BRISTLE.peak_time()),
-        "eq. 3.21: largest force": Figure(BRISTLE.peak_force()),
+        "eq. 3.20: compression time": BRISTLE.peak_time(),
+        "eq. 3.21: largest force": BRISTLE.peak_force(),
         "eqs. 3.9, 3.19: impulse of the fitted curve": Figure(
             fitted,
             f"the fit loses {1 - fitted / BRISTLE_IMPULSE:.2%} of the impulse it started from; c ="
@@ -154,19 +154,19 @@ def motion_figures() -> Figures:
         "eq. 4.6: amplitude of the rate": Figure(
             30 / 0.027, f"30/0.027; with the unrounded speed {exact.rate:.1f}"
         ),
-        "eq. 4.6: rate at rest": Figure(exact.final_rate),
+        "eq. 4.6: rate at rest": exact.final_rate,
         "eq. 4.6: initial rate": Figure(
             drawn.bristle_rate(0),
             "(4.6) starts from a speed rounded to 30 m/s; from 30.03 it is"
             f" {exact.bristle_rate(0):.1f}",
         ),
-        "eq. 4.7: amplitude of v_G": Figure(0.5 * 0.027 * 1111),
+        "eq. 4.7: amplitude of v_G": 0.5 * 0.027 * 1111,
         "eq. 4.7: v_G at rest": Figure(
             exact.final_centre_speed,
             f"half the rim's speed; 3.615 is the initial v_G = {exact.centre_velocity(0):.3f} less the"
             " rounded 15, so the rounding of one constant went into the other",
         ),
-        "eq. 4.8: depth": Figure(drawn.excursion * math.sin(IMPACT_ANGLE)),
+        "eq. 4.8: depth": drawn.excursion * math.sin(IMPACT_ANGLE),
         "eq. 4.10: angle of the face": Figure(
             None,
             f"read off a figure; the rake angle of (4.36) puts the face at {rake_face:.1f} deg to the path,"
@@ -178,18 +178,18 @@ def motion_figures() -> Figures:
             drawn.depth / math.sin(face.face_angle),
             f"from the rounded 1.3e-4; unrounded {1e4 * exact.face_depth:.2f}e-4",
         ),
-        "eq. 4.12: long axis of the tip": Figure(face.long_axis),
-        "eq. 4.13: half the short axis": Figure(0.5 * face.short_axis),
-        "eq. 4.13: half the long axis": Figure(0.5 * face.long_axis),
-        "eq. 4.14: distance from the centre at the end": Figure(0.5 * face.long_axis - 0.00028),
-        "eq. 4.15: first constant": Figure(0.00018 * 0.000355 / 0.00046),
-        "eq. 4.15: second constant": Figure(0.00028 * 0.000355 / 0.00046),
+        "eq. 4.12: long axis of the tip": face.long_axis,
+        "eq. 4.13: half the short axis": 0.5 * face.short_axis,
+        "eq. 4.13: half the long axis": 0.5 * face.long_axis,
+        "eq. 4.14: distance from the centre at the end": 0.5 * face.long_axis - 0.00028,
+        "eq. 4.15: first constant": 0.00018 * 0.000355 / 0.00046,
+        "eq. 4.15: second constant": 0.00028 * 0.000355 / 0.00046,
         "fig. 4.6: width at 50 us": Figure(
             1e6 * CuttingWidth.of_face(face, drawn)(COMPRESSION_TIME),
             "with unrounded constants; (4.16) as printed gives"
             f" {1e6 * PRINTED_WIDTH(COMPRESSION_TIME):.2f}",
         ),
-        "fig. 4.6: width against 651 um": Figure(100 * abs(652 / 651 - 1)),
+        "fig. 4.6: width against 651 um": 100 * abs(652 / 651 - 1),
     }
 
 
@@ -213,16 +213,15 @@ def plies_figures() -> Figures:
     by_stress = 1e6 * crater.merchant_crater_depth(shear_yield_stress=np.linspace(0.8e8, 2.4e8, 17))
     return {
         "eq. 4.36: rake angle less impact angle": Figure(None, "measured on the tip"),
-        "fig. 4.13: rake angle": Figure(rake),
-        "eq. 4.52: friction angle": Figure(beta),
-        "eq. 4.52: shear angle": Figure(eta),
+        "fig. 4.13: rake angle": rake,
+        "eq. 4.52: friction angle": beta,
+        "eq. 4.52: shear angle": eta,
         "eq. 4.53: shear yield stress of API 5L": Figure(None, "taken from a data sheet"),
-        "eq. 4.55: amplitude of the cutting force": Figure(
-            BRISTLE.amplitude * math.cos(angles.resultant_angle)
-        ),
-        "eq. 4.56: angle of the resultant to the shear plane": Figure(eta + beta - rake),
-        "eq. 4.56: angle of the resultant to the path": Figure(beta - rake),
-        "eq. 4.56: 2/cos(gamma)": Figure(2 / math.cos(IMPACT_ANGLE)),
+        "eq. 4.55: amplitude of the cutting force": BRISTLE.amplitude
+        * math.cos(angles.resultant_angle),
+        "eq. 4.56: angle of the resultant to the shear plane": eta + beta - rake,
+        "eq. 4.56: angle of the resultant to the path": beta - rake,
+        "eq. 4.56: 2/cos(gamma)": 2 / math.cos(IMPACT_ANGLE),
         "sec. 4.2.2: chip and rebound contradict each other": Figure(
             23.4 - under,
             f"with the friction 0.31 of chapter 2 the shear plane stays {under:.2f} deg under the surface;"
@@ -267,7 +266,7 @@ def energy_figures() -> Figures:
     cut = depth_from_energy(unrounded[0], specific_cutting_energy(0.5))
     inclined = depth_from_energy(unrounded[0], specific_cutting_energy(0.5, surface="inclined"))
     return {
-        "eq. 4.59: coefficient of exp(-2 lambda t)": Figure(printed[0]),
+        "eq. 4.59: coefficient of exp(-2 lambda t)": printed[0],
         "eq. 4.59: coefficient of exp(-lambda t)": Figure(
             printed[1],
             f"what the printed (4.6) and (4.7) give; unrounded ones give {unrounded[1]:.5f}. 0.00303 is the"
@@ -279,7 +278,7 @@ def energy_figures() -> Figures:
             f"with the 3.615 m/s of (4.7); the unrounded 3.59975 gives {1e4 * unrounded[2]:.2f}e-4, so the"
             " dissertation had it",
         ),
-        "eq. 4.66: amplitude over cos(gamma)": Figure(1.016 / math.cos(IMPACT_ANGLE)),
+        "eq. 4.66: amplitude over cos(gamma)": 1.016 / math.cos(IMPACT_ANGLE),
         "fig. 4.19: crater depth by work and energy": Figure(
             few,
             f"the quotients as derived add up to {1e3 * few:.2f} mm, since the force begins near zero; the"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -89,8 +90,10 @@ class Figure:
     allowance: float = 0.0
 
 
-Figures = dict[str, Figure]
-"""Computed values by the place of the printed number or statement in the dissertation."""
+Figures = Mapping[str, Figure | float]
+"""Computed values by the place of the printed number or statement in the dissertation.
+
+A value without a remark is a plain number."""
 
 
 def within(value: Any, bound: float, why: str = "") -> Figure:
