@@ -28,6 +28,9 @@ from bristle_sim.reference.state import State
 from bristle_sim.reference.system import System
 from bristle_sim.settings import StopReason
 
+# Rate that scales tolerances where nothing moves, rad/s; without it the error of the rates would be 0/0.
+LEAST_RATE = 1e-300
+
 
 @dataclass(slots=True)
 class Run:
@@ -132,7 +135,7 @@ class Run:
         size = self.system.size
         fastest = self.system.fastest
         sustained = self.system.sustained
-        rate = max(chain.speed, float(np.abs(self.state.rates).max()), fastest, 1e-300)
+        rate = max(chain.speed, float(np.abs(self.state.rates).max()), fastest, LEAST_RATE)
         force = chain.masses.sum() * size * rate
         work = force * size * rate
         scale = [
