@@ -1,5 +1,6 @@
 """Where the bar must stand, against the independent solution, a closed form and synthetic strikes."""
 
+import logging
 import math
 import re
 from collections.abc import Callable, Mapping
@@ -38,6 +39,16 @@ def test_the_operating_point(radial: Place):
     assert bar.horizontal == pytest.approx(0.05120, abs=5e-6)
     assert bar.vertical == pytest.approx(0.02054, abs=5e-6)
     assert radial.strike["relative_speed_at_contact"] == pytest.approx(878.7, abs=0.05)
+
+
+def test_the_progress_says_that_simulations_check_the_passes(caplog: pytest.LogCaptureFixture):
+    """They take most of the time, after the last passes in arrays are finished."""
+    caplog.set_level(logging.INFO, "bristle_sim")
+    cue_map(Tool(), Settings(), with_reference=False)
+    messages = caplog.messages
+    first = messages.index("single simulations check the passes")
+    assert "100 % of the passes finished" in messages[:first]
+    assert messages[first:].count("single simulations check the passes") == 9
 
 
 def test_the_answer_names_the_place_and_the_strike_where_the_bar_stands():

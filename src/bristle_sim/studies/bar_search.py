@@ -68,14 +68,19 @@ def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
     """Return the coordinates of the bar's centre by name (m) in given directions (rad) at the bar's
     distance from the hub's centre.
     """
-    distance = math.hypot(*_bar_of(tool).centre)
+    distance = math.hypot(*bar_of(tool).centre)
     return {
         "bar_horizontal": distance * np.sin(directions),
         "bar_vertical": distance * np.cos(directions),
     }
 
 
-def _bar_of(tool: Tool) -> Bar:
+def bar_of(tool: Tool) -> Bar:
+    """Return the tool's bar.
+
+    Raises:
+        ValueError: for a tool without bar or workpart.
+    """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be there, or nothing is cued")
     return tool.bar
@@ -85,7 +90,7 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
     """Return the function that computes the strikes for directions of the bar, and the distance of
     the directions in a first survey, rad.
     """
-    _bar_of(tool)
+    bar_of(tool)
 
     def strikes(directions: Array) -> Mapping[str, NDArray[Any]]:
         return strikes_of_keys(settings, tool, **centre_of(tool, directions))
@@ -163,7 +168,7 @@ def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
 
 def retraction(tool: Tool) -> float:
     """Return the retraction at which the bristle slips off the bar, rad."""
-    bar = _bar_of(tool)
+    bar = bar_of(tool)
     geometry = (tool.bar_reach, tool.hub.radius, tool.bristle.length)
     return float(cueing.retraction_at_bar(bar.horizontal, bar.vertical, *geometry))
 

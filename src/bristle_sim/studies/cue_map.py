@@ -76,8 +76,7 @@ class CueMap:
         """Directions of the bar that the maps show (rad) by name; the first is that of the tool's
         own bar.
         """
-        bar = self.tool.bar
-        assert bar is not None
+        bar = bar_search.bar_of(self.tool)
         own = "printed position" if bar == Bar() else "the tool's bar"
         found = {own: math.atan2(bar.horizontal, bar.vertical)}
         if self.formula is not None:
@@ -185,8 +184,6 @@ def _referred(
 
 
 def _found_in_words(found: CueMap) -> str:
-    bar = bar_search.placed(found.tool, found.radial.direction).bar
-    assert bar is not None
     direction = math.degrees(found.radial.direction)
     apart = math.degrees(found.fastest.direction) - direction
     best = (
@@ -194,6 +191,7 @@ def _found_in_words(found: CueMap) -> str:
         if abs(apart) < 0.05
         else f"the tip is fastest {apart:+.2f}° from there"
     )
+    bar = bar_search.bar_of(bar_search.placed(found.tool, found.radial.direction))
     side = "below" if bar.vertical >= 0.0 else "above"
     place = f"{1e3 * bar.horizontal:.2f} mm before the hub's axis and {1e3 * abs(bar.vertical):.2f} mm {side} it"
     return (
@@ -214,15 +212,17 @@ def _where_it_stands(found: CueMap, strikes: bar_search.Strikes) -> str:
 
 
 def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> Values:
-    bar = bar_search.placed(tool, radial.direction).bar
-    assert bar is not None
-    strike = radial.strike
-    highest = fastest.strike["tip_speed_at_contact"]
-    place = (math.degrees(radial.direction), bar.horizontal, bar.vertical)
-    speeds = (strike["relative_speed_at_contact"], strike["tip_speed_at_contact"])
-    return dict(
-        zip(QUANTITIES, (*place, *speeds, math.degrees(fastest.direction), highest), strict=True)
-    )
+    """Return the quantities by name, from the places for a radial strike and for the fastest tip."""
+    bar = bar_search.bar_of(bar_search.placed(tool, radial.direction))
+    return {
+        "bar_direction_for_radial_strike_deg": math.degrees(radial.direction),
+        "bar_horizontal": bar.horizontal,
+        "bar_vertical": bar.vertical,
+        "relative_speed_at_contact": radial.strike["relative_speed_at_contact"],
+        "tip_speed_at_contact": radial.strike["tip_speed_at_contact"],
+        "bar_direction_for_highest_tip_speed_deg": math.degrees(fastest.direction),
+        "highest_tip_speed": fastest.strike["tip_speed_at_contact"],
+    }
 
 
 def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:

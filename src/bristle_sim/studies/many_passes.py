@@ -26,6 +26,8 @@ from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import QUANTITIES, measures_of
 from bristle_sim.units import likely_key, shown
 
+log = logging.getLogger(__name__)
+
 ENTRY = "entry_angle"
 OUTCOME = "outcome"
 
@@ -105,7 +107,7 @@ def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, 
 
 
 def _log(part: float) -> None:
-    logging.getLogger(__name__).info("%.0f %% of the passes finished", 100.0 * part)
+    log.info("%.0f %% of the passes finished", 100.0 * part)
 
 
 def _quantity(many: Ensemble, name: str) -> Array:
@@ -164,6 +166,7 @@ def scene_pass(
     """Simulate a single pass up to the strike with some of the tool's parameters changed, and
     return its outcome in words and its quantities.
     """
+    log.info("single simulations check the passes")
     try:
         with warnings.catch_warnings():  # of values between those that the user gave
             warnings.simplefilter("ignore", UnusualValueWarning)

@@ -22,7 +22,7 @@ from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.readable import plain_number, readable_unit
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bar_search import placed, radial_place, strikes_of
+from bristle_sim.studies.bar_search import centre_of, radial_place, strikes_of
 from bristle_sim.studies.design import design
 from bristle_sim.studies.limits import limits
 from bristle_sim.studies.many_passes import OUTCOME, checked_range, pass_quantities
@@ -127,9 +127,7 @@ def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
     values = pass_of.values_of(assignments)
     tool = build_parameters(Tool, values)
     strikes = strikes_of(tool, Settings(accuracy=values["accuracy"]))
-    found = placed(tool, radial_place(tool, *strikes).direction).bar
-    assert found is not None
-    places = {"bar_horizontal": found.horizontal, "bar_vertical": found.vertical}
+    places = centre_of(tool, radial_place(tool, *strikes).direction)
     return {"assignments": {key: f"{1e3 * each:.9g} mm" for key, each in places.items()}}
 
 
