@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -175,26 +177,31 @@ class Trajectory(Motion):
         At the workpart it is the corner of the centre line nearest to the workpart's surface. At
         the bar it is the point of the centre line nearest to the bar's centre.
         """
-        contacts = list(self.contacts)
-        for number, contact in enumerate(self.contacts):
-            line = self.centre_line[int(abs(self.time - contact.time).argmin())]
+        contacts = []
+        for contact in self.contacts:
+            line = self.centre_line[int(abs(self.time - contact.time).argmin())].tolist()
+            corners = [complex(x, y) for x, y in line]
+            last = len(corners) - 1
             if contact.obstacle == "workpart":
-                corner = 1 + int(abs(line[1:, 1] + tool.workpart_depth).argmin())
-                place = line[corner]
+                heights = [abs(corner.imag + tool.workpart_depth) for corner in corners]
+                along = 1.0 + heights[1:].index(min(heights[1:]))
+                place = corners[int(along)]
             elif contact.obstacle == "bar" and tool.bar is not None:
-                pieces = np.diff(line, axis=0)
-                along = ((tool.bar.centre - line[:-1]) * pieces).sum(axis=1)
-                along = np.clip(along / (pieces**2).sum(axis=1), 0.0, 1.0)
-                points = line[:-1] + along[:, np.newaxis] * pieces
-                piece = int(np.linalg.norm(points - tool.bar.centre, axis=1).argmin())
-                place = points[piece]
-                near = np.array([along[piece], 1.0 - along[piece]]) <= CORNER_ROUNDING
-                corner = piece + int(near[1]) if near.any() else 0
+                centre = complex(*tool.bar.centre)
+                nearest = []
+                for piece, (start, end) in enumerate(pairwise(corners)):
+                    part = min(max(((centre - start) / (end - start)).real, 0.0), 1.0)
+                    point = start + part * (end - start)
+                    nearest.append((abs(point - centre), piece + part, point))
+                _, along, place = min(nearest, key=itemgetter(0))
             else:
+                contacts.append(contact)
                 continue
-            name = "tip" if corner == len(line) - 1 else "knee" if corner else "flank"
-            x, y = place.tolist()
-            contacts[number] = dataclasses.replace(contact, point=name, place=(x, y))
+            corner = round(along) if abs(along - round(along)) <= CORNER_ROUNDING else 0
+            name = "tip" if corner == last else "knee" if corner else "flank"
+            contacts.append(
+                dataclasses.replace(contact, point=name, place=(place.real, place.imag))
+            )
         return dataclasses.replace(self, contacts=tuple(contacts))
 
     def course_in_words(self) -> list[str]:
