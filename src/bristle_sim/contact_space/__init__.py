@@ -10,10 +10,11 @@ modules in reading order:
 - ``collision_rule``: two collision types with their coefficients and law; the record of an impact.
 - ``touching``: the motion of bodies in the last step, and the contact points at the instant of
   touch.
-- ``rest_filter``: the division of contacts into contacts at rest, for the engine, and impacts.
+- ``rest_filter``: the division of a step's contacts: the engine resolves contacts at rest, an
+  impact law impacts.
 - ``sequence``: impacts resolved one after the other.
-- ``simultaneous``: all impacts of connected bodies resolved at once, if there are too many for a
-  sequence.
+- ``simultaneous``: all impacts of connected bodies resolved simultaneously, if there are too many
+  for a sequence.
 - ``tunnelling``: a warning if a step is so long that shapes pass through each other.
 - ``energetic_contact``: :class:`EnergeticContact`, the impact law in a user's own space.
 """

@@ -24,7 +24,7 @@ class LocatedImpact(Impact):
     """An impact with its time, location and bodies, as passed to ``report``.
 
     Attributes:
-        time: instant of the touch, since the EnergeticContact was created.
+        time: time of the touch; the EnergeticContact was created at time 0.
         point: world coordinates of the contact.
         normal: unit vector towards the first body; the tangent is the normal turned clockwise.
         bodies: the dynamic body on which the impulse acts, and the body on which the opposite
@@ -38,13 +38,13 @@ class LocatedImpact(Impact):
 
 
 class CollisionRule:
-    """Two collision types with their coefficients and their impact law.
+    """The impact law and the coefficients for contacts between two collision types.
 
-    All arguments are checked, since a bad value can make the engine abort the process.
+    All arguments are checked, because the engine may abort the process on an invalid value.
 
     Attributes:
         friction: Coulomb's coefficient of friction in compression and at rest.
-        restitution: coefficient of restitution.
+        restitution: energetic coefficient of restitution.
         restitution_friction: coefficient of friction in restitution.
         tangential_compliance: ratio of the normal to the tangential contact stiffness.
         chained: the user's own ``pre_solve`` callback for these types, or None.
@@ -93,13 +93,13 @@ class CollisionRule:
     def impact(
         self, inverse_mass: Array, velocity: Vector, stick_compliance: float, *, rests: bool
     ) -> Impact:
-        """Return the impact of two shapes of these types by their law.
+        """Return the impact that the law predicts for two shapes of these collision types.
 
         Args:
             inverse_mass: inverse mass matrix of the contact point, order (normal, tangential).
-            velocity: (normal, tangential) velocity before the impact.
+            velocity: (normal, tangential) velocity of the contact point before the impact.
             stick_compliance: change of the normal velocity per unit normal impulse in stick.
-            rests: whether the contact comes to rest, without restitution.
+            rests: whether to set the restitution to 0, so that the contact comes to rest.
         """
         return self._law(
             inverse_mass,

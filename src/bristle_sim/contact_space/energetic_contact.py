@@ -1,10 +1,10 @@
-"""Impact laws in any pymunk space: the engine finds contacts and keeps contacts at rest, a law
-resolves impacts.
+"""Impacts in any pymunk space: an impact law replaces the engine's own restitution and friction.
 
 The engine, Chipmunk, restores a fraction of the approach velocity (Newton's restitution) and
 iterates Coulomb friction. Where bodies are joined, this can create energy. Here the engine still
-finds the contacts and solves the joints. An approaching contact gets the impulse of an impact law,
-Stronge's by default. The impulse acts at once on all bodies connected by joints.
+finds the contacts, solves the joints and keeps resting contacts at rest. An approaching contact
+gets the impulse of an impact law, Stronge's by default. The impulse acts simultaneously on all
+bodies that joints connect.
 """
 
 from __future__ import annotations
@@ -36,33 +36,38 @@ class EnergeticContact:
         restitution_friction: coefficient of friction in restitution; equal to ``friction`` by
             default.
         tangential_compliance: ratio of the normal to the tangential contact stiffness, as in
-            ``energetic_impact``. Impacts that are resolved at once (see below) ignore it.
-        resting_speed: contacts that approach more slowly are left to the engine, with ``friction``
-            and no restitution, so that bodies come to rest. The engine also resolves contacts that
-            approach more slowly than the speed that gravity adds in two steps.
+            ``energetic_impact``. Impacts that are resolved simultaneously ignore it.
+        resting_speed: largest approach speed of a contact at rest. The engine resolves contacts at
+            rest, with ``friction`` and without restitution. The least value in effect is the speed
+            that gravity adds in two steps.
         report: function that is called with a
-            :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for each faster impact.
+            :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for each impact that is
+            faster than a contact at rest.
 
     Raises:
         ValueError: for coefficients out of range, for anything but a space and collision types, and
             if the space has an EnergeticContact already.
 
-    Call :meth:`step`, always with the same duration, instead of ``space.step``, which leaves all
-    contacts to the engine. Impacts of bodies that touch each other are resolved one by one at the
-    instants of touch, the earliest first. Of simultaneous impacts the fastest is first. After
-    ``sequence.MOST`` impacts the remaining ones are resolved at once. For a copied or unpickled
-    space :meth:`of` returns its EnergeticContact, without ``report``. Threads may step different
-    spaces at the same time; Chipmunk does not permit two threads in one space.
+    Call :meth:`step` instead of ``space.step``, always with the same duration. ``space.step`` alone
+    applies no impact law. The impacts in a step are resolved one by one at the instants of touch,
+    the earliest first. Of impacts at the same instant the fastest is resolved first. Bodies that
+    contacts and joints connect form a group. After ``sequence.COLLAPSE`` impacts at one point, or
+    ``sequence.MOST`` impacts in a group, all contacts of the group are resolved simultaneously.
 
-    Just before an impact, velocities are projected onto the joints. The projection and the impact
-    only lose energy, but moving kinematic bodies, motors and surface velocities do work. Between
-    impacts the engine may gain energy: it solves joints iteratively, and it corrects positions by
-    velocities. The correction is off with ``error_bias`` and ``collision_bias`` at 1.
+    For a copied or unpickled space :meth:`of` returns its EnergeticContact, without ``report``.
+    Threads may step different spaces at the same time; Chipmunk does not permit two threads in one
+    space.
 
-    Every kind of joint takes part in an impact, a joint at a limit only if the limit pushes.
-    Springs, joints with a finite ``max_force`` and joints outside the space take no part. Your
-    ``pre_solve`` callback for the same types is called first, a ``pre_solve`` for any type (None)
-    last.
+    Just before an impact, the velocities are changed by the smallest amount after which they obey
+    the joints. This change and the impact only lose energy, but moving kinematic bodies, motors and
+    surface velocities do work. Between impacts the engine may gain energy: it solves joints
+    iteratively, and it corrects position errors by additional velocities. With ``error_bias`` and
+    ``collision_bias`` equal to 1 it does not correct positions.
+
+    Every kind of joint transmits the impulse of an impact. A joint at a limit does so only if the
+    limit pushes. Springs, joints with a finite ``max_force`` and joints outside the space do not. A
+    user's ``pre_solve`` callback for the same two types is called before the contact is resolved, a
+    ``pre_solve`` callback for any type (None) after it.
     """
 
     def __init__(
@@ -115,13 +120,14 @@ class EnergeticContact:
         tangential_compliance: float = 0.0,
         law: Callable[..., Impact] = energetic_impact,
     ) -> None:
-        """Apply an impact law to one more pair of collision types, with its own coefficients.
+        """Apply an impact law to another pair of collision types, with its own coefficients.
 
         Args:
             collision_type_a, collision_type_b: collision types of the shapes; they may be equal.
-            friction, restitution, restitution_friction, tangential_compliance: coefficients as for
-                the class, which are passed to ``law``.
-            law: function with the arguments of :func:`~bristle_sim.theory.impact.energetic_impact`.
+            friction, restitution, restitution_friction, tangential_compliance: coefficients that
+                are passed to ``law``, with the same meaning as the arguments of the class.
+            law: function that returns the impact; it has the arguments of
+                :func:`~bristle_sim.theory.impact.energetic_impact`.
 
         Raises:
             ValueError: for coefficients out of range, and for a pair that has been added already.
@@ -139,13 +145,13 @@ class EnergeticContact:
         self._attach()
 
     def step(self, duration: float) -> None:
-        """Advance the space by one step of a duration >= 0, and resolve the impacts in the step.
+        """Advance the space by one step of ``duration`` >= 0, and resolve the impacts in the step.
 
         Warns:
             RuntimeWarning: once, if a body moves so far in a step that it passes through a shape
-                with which it should collide. The warning states a step that is short enough. All
-                speeds are read at least every ``tunnelling.UNWATCHED_STEPS`` steps; a body that
-                becomes fast between two readings is unnoticed until the next reading.
+                with which it should collide. The warning states a step that is short enough. While
+                no body is fast, speeds are read only every ``tunnelling.UNWATCHED_STEPS`` steps, so
+                a body that becomes fast may be noticed that many steps later.
         """
         if type(duration) is not float or not 0.0 <= duration <= 1.0:
             (duration,) = checked_numbers(duration=duration)
@@ -181,18 +187,22 @@ class EnergeticContact:
         return next((each for each in owners if isinstance(each, EnergeticContact)), None)
 
     def detach(self) -> None:
-        """Leave all contacts to the engine again, and restore the callbacks of users."""
+        """Remove all pairs and restore the users' callbacks; the engine then resolves impacts."""
         self._attach()
         for types, pair in self.pairs.items():
             self.space._handlers[types].pre_solve = pair.chained
         self.pairs.clear()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state to copy: everything except the ``report`` function."""
+        """Return the attributes for a copy; its ``report`` is None."""
         return {**self.__dict__, "report": None}
 
     def _attach(self) -> None:
-        """Register the callbacks of all pairs before callbacks that users have registered since."""
+        """Register the callbacks of all pairs.
+
+        A callback that a user has registered since the last call is kept as ``chained``, and is
+        called first.
+        """
         for types, pair in self.pairs.items():
             handler = self.space._handlers[types]
             if _owner(handler.pre_solve) is not self:
@@ -203,9 +213,9 @@ class EnergeticContact:
     def _notice(
         self, pair: CollisionRule, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any
     ) -> None:
-        """Call the user's callback, then divide the engine's contacts into rest and impacts.
+        """Call the user's callback for a contact, then classify the contact.
 
-        A contact at rest is left to the engine. An impact is noted, and the engine ignores it.
+        The engine resolves a contact at rest. An impact is recorded, and the engine ignores it.
         """
         try:
             if pair.chained is not None:

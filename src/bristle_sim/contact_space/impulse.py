@@ -1,5 +1,5 @@
-"""Inverse mass matrix at a contact of pymunk bodies with any joints, and the impulse that acts on
-all of them at once.
+"""The inverse mass matrix at a contact of pymunk bodies with any joints, and the motion that an
+impulse at the contact causes.
 
 With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (its rows give
 the normal and tangential velocity of the first body's point relative to the other body's point), an
@@ -40,11 +40,12 @@ from bristle_sim.contact_space.joints import (
     span,
 )
 
-# Motion in stick, as a fraction of the motion by a normal impulse without joints, below which it is
-# rounding error.
+# Ratio of the motion that an impulse causes with joints to the motion that it causes without them,
+# below which the former is rounding error: the point cannot move.
 SINGULAR = 64.0 * sys.float_info.epsilon
-# Opening rate of a joint at its limit, over the speeds of the bodies, above which the joint opens.
-# A smaller rate is rounding error.
+# Ratio of the velocity at which a joint leaves its limit to the speed of the bodies, below which it
+# is rounding error. The same bound holds for the ratio of a limit's pulling impulse to the impulse
+# at the contact.
 OPENS = 1e-9
 
 
@@ -55,16 +56,17 @@ class ContactSpace:
     Attributes:
         inverse_mass: inverse mass matrix of the contact point, order (normal, tangential).
         velocity: (normal, tangential) velocity of the first body's point relative to the other
-            body's point; a negative normal velocity approaches.
+            body's point; the normal velocity is negative in approach.
         stick_compliance: change of the normal velocity per unit normal impulse while the point does
             not slip; 0 if the point cannot move.
         bodies: the dynamic bodies that an impulse sets in motion.
-        response: change of (v_x, v_y, angular velocity) of each body per unit normal and per unit
-            tangential impulse, shape (3 * len(bodies), 2).
-        limits: Jacobian rows of the joint limits that are reached, which are treated as rigid.
-        pushes: impulse of each limit per unit impulse at the contact, shape (limits, 2), in the norm
-            of the kinetic energy.
-        sizes: lengths of the contact's own Jacobian rows in this norm, for comparison, shape (2,).
+        response: change of (v_x, v_y, angular velocity) of each body per unit normal impulse
+            (column 0) and per unit tangential impulse (column 1), shape (3 * len(bodies), 2).
+        limits: Jacobian rows of the joint limits that are reached; each acts as a rigid stop.
+        pushes: impulse of each limit per unit normal and per unit tangential impulse at the
+            contact, shape (limits, 2), scaled by the length of the limit's row of J M^-1/2.
+        sizes: lengths of the contact's two rows of J M^-1/2, shape (2,), with which ``pushes`` are
+            compared.
     """
 
     inverse_mass: Array
@@ -77,9 +79,10 @@ class ContactSpace:
     sizes: Array
 
     def pulling_limit(self, impulse: Vector) -> JointRow | None:
-        """Return the joint limit that would pull hardest in an impact of given impulse.
+        """Return the joint limit with the largest pulling impulse during an impact.
 
-        A limit can only push. Return None if no limit pulls by more than rounding error.
+        ``impulse`` is the (normal, tangential) impulse at the contact. A real limit can only push.
+        Return None if no limit pulls by more than rounding error.
         """
         if not self.limits:
             return None
@@ -105,14 +108,14 @@ def contact_space(
     """Return the data of a contact that an impact law uses: inverse mass and contact velocity.
 
     Args:
-        ends: the body that the impulse acts on, and the body on which the opposite impulse acts;
-            without the latter the obstacle is at rest.
+        ends: the body on which the impulse acts, and the body on which the opposite impulse acts.
+            With the first body alone, the obstacle is at rest.
         point: world coordinates of the contact.
         normal: unit vector towards the first body; the tangent is the normal turned clockwise.
         connected: the bodies that joints connect to ``ends``, and these joints.
         surface_velocity: velocity of the other body's surface relative to the surface of the first
-            body, in addition to the motion of the bodies, as of a conveyor.
-        released: joints whose limits take no part.
+            body, in addition to the motion of the bodies, as on a conveyor belt.
+        released: joints whose limits transmit no impulse.
     """
     bodies, joints = connected
     rows = [
@@ -174,9 +177,10 @@ def relative_motion(
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
-    """Return whether a joint at its limit is opening already, so that the limit cannot push.
+    """Return whether a joint is already moving away from its limit, so that the limit cannot push.
 
-    The opening rate is compared with the speeds of the bodies in the norm of the kinetic energy.
+    The velocity away from the limit is compared with the largest such velocity that the kinetic
+    energy of the bodies permits.
     """
     length = sum(
         (x * x + y * y) / body.mass + turn**2 / body.moment

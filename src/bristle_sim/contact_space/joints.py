@@ -3,22 +3,23 @@
 A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y) of each body's mass centre and
 its angular velocity. A joint transmits an impulse only if its force has no bound. In an
 instantaneous impact springs, joints with a finite ``max_force`` and joints outside a space transmit
-no impulse. Limits (of slide, groove, rotary limit and ratchet joints) push in one direction only,
-while they are reached. The signs are those of the Chipmunk sources (cpSlideJoint.c and its
-siblings).
+no impulse. A limit (of a slide, groove, rotary limit or ratchet joint) acts only while it is
+reached, and pushes in one direction. The signs are those of the Chipmunk sources (cpSlideJoint.c
+and its siblings).
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components
-    groove            the same velocity across the groove; at its ends also along it
+    groove            velocity of anchor a relative to anchor b across the groove; at an end of the
+                      groove also along it
     rotary limit, ratchet   w_a - w_b
     gear              w_a - ratio w_b
     motor             w_a - w_b = rate
 
-After the engine's step the joints open at some rate, because of the solver's tolerance and of the
-velocities that it adds to correct positions. With the mass matrix M and A = M^-1/2 J^T, the
-smallest change of M^1/2 V after which the joints do not open is dU = -A (A^T A)^+ (J V - b). With b
-= 0 (no motors) the energy falls by |dU|^2/2, as in a plastic impact of the joints. Limits take part
-only if they would be passed, and only push.
+After an engine step J V differs from b, because of the solver's tolerance and of the velocities
+that the solver adds to correct positions. With the mass matrix M and A = M^-1/2 J^T, the smallest
+change of U = M^1/2 V that restores J V = b is dU = -A (A^T A)^+ (J V - b), where ^+ denotes the
+pseudoinverse. With b = 0 (no motors) the energy falls by |dU|^2/2, as in a plastic impact of the
+joints. The row of a limit is included only if the bodies would otherwise move past the limit.
 """
 
 from __future__ import annotations
@@ -44,16 +45,24 @@ Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
 """Dynamic bodies, and the joints that connect them."""
 
 REACHED = 1e-9
-"""Distance at which a joint's limit counts as reached, over the joint's length or in rad."""
-CLOSED = 1e-14  # opening rate over the terms of its sum, below which it is rounding error
-# Singular value, as a fraction of the largest one, below which a joint repeats other joints.
+"""Distance from a joint's limit, as a fraction of the joint's length or in rad, at which the limit
+counts as reached."""
+# Magnitude of J V - b, as a fraction of the sum of the magnitudes of its terms, below which it is
+# rounding error.
+CLOSED = 1e-14
+# Singular value of the joints' rows, as a fraction of the largest singular value, below which it is
+# zero: a joint repeats the constraints of other joints.
 DEPENDENT = 1e-12
 
 
 class JointRow(NamedTuple):
     """One row of a joint's velocity constraint: J V = rate, or J V >= rate for a limit.
 
-    ``entries`` hold the factors of the bodies' velocities V. A limit can only push.
+    Attributes:
+        joint: the joint.
+        entries: for each body, the factors of its velocities in the row J.
+        rate: prescribed value of J V; 0 except for a motor.
+        limit: whether the row belongs to a limit, which can only push.
     """
 
     joint: pymunk.Constraint
@@ -62,9 +71,9 @@ class JointRow(NamedTuple):
     limit: bool = False
 
     def excess(self) -> tuple[float, float]:
-        """Return the rate J V - rate at which the joint opens, and the scale of its rounding error.
+        """Return the velocity error J V - rate, and the sum of the magnitudes of its terms.
 
-        The scale is the sum of the magnitudes of its terms.
+        The rounding error of the first value is proportional to the second.
         """
         value = -self.rate
         size = abs(self.rate)
@@ -79,10 +88,10 @@ class JointRow(NamedTuple):
 def relative_rows(
     ends: Iterable[tuple[pymunk.Body, complex]], directions: Sequence[complex]
 ) -> list[tuple[Entry, ...]]:
-    """Return the Jacobian rows of a relative velocity along directions.
+    """Return one Jacobian row for each direction, for the relative velocity of two points.
 
-    ``ends`` holds the first body with the world coordinates of its point, and the body with the
-    point to which the velocity is relative.
+    ``ends`` holds two pairs of a body and the world coordinates of a point on it. The velocity is
+    that of the first point relative to the second.
     """
     entries = []
     for (body, point), sign in zip(ends, (1.0, -1.0), strict=False):
@@ -97,14 +106,15 @@ def relative_rows(
 
 
 def world(body: pymunk.Body, place: tuple[float, float]) -> complex:
-    """Return the world coordinates of a place on a body."""
+    """Return the world coordinates of a point from its coordinates on a body."""
     return complex(*body.local_to_world(place))
 
 
 def joined(ends: Iterable[pymunk.Body]) -> Connected:
     """Return all dynamic bodies that joints connect to ``ends``, and these joints.
 
-    The bodies include ``ends``. Only joints that transmit impulses count.
+    The returned bodies include the dynamic bodies in ``ends``. Joints that transmit no impulse are
+    ignored.
     """
     waiting = list(ends)
     bodies: dict[pymunk.Body, None] = {}
@@ -136,13 +146,14 @@ def _transmits_impulse(joint: pymunk.Constraint) -> bool:
 def scaled_columns(
     rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
 ) -> tuple[Array, Array]:
-    """Return Jacobian rows in coordinates that are scaled by the square root of the mass.
+    """Return the Jacobian in coordinates that are scaled by the square root of the mass.
 
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have zero inverse mass.
 
     Returns:
-        M^-1/2 J^T, shape (3 * len(bodies), rows), with the mass matrix M and the Jacobian J; and
-        the diagonal of M^-1/2.
+        The matrix M^-1/2 J^T, shape (3 * len(bodies), len(rows)), with the mass matrix M and the
+        Jacobian J of ``rows``.
+        The diagonal of M^-1/2.
     """
     places = {each: 3 * at for at, each in enumerate(bodies)}
     masses = [number for each in bodies for number in (each.mass, each.mass, each.moment)]
@@ -176,14 +187,17 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
 
 
 Guided = tuple[tuple[complex, complex], list[tuple[complex, bool]]]
-"""World coordinates of a joint's ends on its bodies, and the directions in which the end on body a
-does not move relative to the end on body b, each with True if it is a limit."""
+"""World coordinates of a joint's two anchors, and the directions in which the anchor on body a
+cannot move relative to the anchor on body b. True beside a direction states that a limit stops it.
+"""
 
 
 def _reached(value: float, least: float, most: float, margin: float) -> list[tuple[float, bool]]:
-    """Return the senses in which a coordinate cannot grow, 1 or -1, each with True if it is a limit.
+    """Return the senses (+1 or -1) in which a coordinate cannot move, each with True for a limit.
 
-    A coordinate between its limits has none; one whose limits coincide is fixed.
+    At the limit ``most`` the sense is +1, at the limit ``least`` -1. Between the limits the list is
+    empty. If the limits coincide, the coordinate is fixed, and the list is [(1.0, False)].
+    ``margin`` is the distance at which a limit counts as reached.
     """
     if least >= most:
         return [(1.0, False)]
@@ -193,8 +207,10 @@ def _reached(value: float, least: float, most: float, margin: float) -> list[tup
 
 
 def _anchored(joint: Any) -> Guided:
-    """Return the ends and directions of a pivot, pin or slide joint, which keeps two anchors
-    together, at a distance, or at a distance within limits.
+    """Return the anchors and the constrained directions of a pivot, pin or slide joint.
+
+    A pivot joint keeps the two anchors together, a pin joint keeps their distance constant, and a
+    slide joint keeps it within limits.
     """
     ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):
@@ -210,8 +226,9 @@ def _anchored(joint: Any) -> Guided:
 
 
 def _groove(joint: pymunk.GrooveJoint) -> Guided:
-    """Return the ends and directions of a groove joint, which keeps an anchor of body b on a
-    segment of body a.
+    """Return the anchors and the constrained directions of a groove joint.
+
+    The joint keeps an anchor of body b on a segment of body a, the groove.
     """
     start = world(joint.a, joint.groove_a)
     anchor = world(joint.b, joint.anchor_b)
@@ -225,7 +242,10 @@ def _groove(joint: pymunk.GrooveJoint) -> Guided:
 
 
 def _turning(joint: Any) -> list[JointRow]:
-    """Return the row of a joint between the angles of two bodies; none for a limit not reached."""
+    """Return the rows of a joint between the angles of two bodies.
+
+    The list is empty for a joint with limits that is between them.
+    """
     a = joint.a
     b = joint.b
     angle = b.angle - a.angle
@@ -253,10 +273,10 @@ def _turning(joint: Any) -> list[JointRow]:
 
 
 def of_length_one(columns: Array) -> tuple[Array, Array]:
-    """Return the columns scaled to length 1, and their lengths.
+    """Return the columns scaled to length 1, and the lengths before scaling.
 
-    This makes joints of rotation and of translation, which have different units, comparable. A
-    column of zeros is not changed; its length is returned as 1.
+    The scaling makes constraints of rotation and of translation, which have different units,
+    comparable. A column of zeros is not changed; its length is returned as 1.
     """
     lengths = np.sqrt((columns**2).sum(axis=0))
     lengths[lengths == 0.0] = 1.0
@@ -264,7 +284,7 @@ def of_length_one(columns: Array) -> tuple[Array, Array]:
 
 
 def span(columns: Array) -> Array:
-    """Return an orthonormal basis of the span of columns, shape (rows, rank).
+    """Return an orthonormal basis of the space that the columns span, shape (rows, rank).
 
     The columns may be linearly dependent.
     """
@@ -275,13 +295,14 @@ def span(columns: Array) -> Array:
 def joint_basis(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]
 ) -> tuple[Array, Array]:
-    """Return an orthonormal basis of the velocities that joints prevent, and its scale.
+    """Return an orthonormal basis of the velocities that the joints prevent.
 
-    Limits that are reached are treated as rigid.
+    A limit that is reached counts as a rigid joint.
 
     Returns:
-        The basis, shape (3 * len(bodies), rank), in coordinates scaled by the square root of the
-        mass; and the inverse square root of the mass for each coordinate.
+        The basis, shape (3 * len(bodies), rank), in velocities scaled by the square root of the
+        mass, M^1/2 V.
+        The diagonal of M^-1/2, which scales these velocities back.
     """
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)
@@ -291,9 +312,9 @@ def joint_basis(
 def allowed_part(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array
 ) -> Array:
-    """Return the part of velocity changes that the joints permit, shape (3 * len(bodies),).
+    """Return the velocity changes without the part that joints prevent, shape (3 * len(bodies),).
 
-    It is the orthogonal projection in the norm of the kinetic energy.
+    The result is the orthogonal projection of ``changes`` in the norm of the kinetic energy.
     """
     rigid, scale = joint_basis(bodies, joints)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
@@ -301,10 +322,12 @@ def allowed_part(
 
 
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> None:
-    """Apply to bodies the velocity change of least kinetic energy after which no joint opens.
+    """Change the bodies' velocities by the smallest amount after which they obey the joints.
+
+    The size of a change is the kinetic energy of a motion with these velocities.
 
     Raises:
-        RuntimeError: if no set of pushing limits is found.
+        RuntimeError: if the search finds no set of limits that all push.
     """
     rows = [row for joint in joints for row in joint_rows(joint)]
     if not rows:
@@ -320,7 +343,11 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
 
 
 def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
-    """Add ``change``, shape (3 * len(bodies),), to v_x, v_y and the angular velocity of each body."""
+    """Add ``change`` to the velocities of bodies.
+
+    It holds the changes of v_x, v_y and the angular velocity of each body, shape
+    (3 * len(bodies),).
+    """
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         body.velocity += (x, y)
         body.angular_velocity += turn
@@ -329,10 +356,10 @@ def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
 def _least_change(
     columns: Array, rates: Array, rounding: Array, limits: NDArray[np.bool_]
 ) -> Array:
-    """Return the shortest vector dU with rates + A^T dU = 0, where A are the columns.
+    """Return the shortest vector dU with rates + A^T dU = 0, where A is the matrix ``columns``.
 
-    At a limit rates + A^T dU must be >= 0, and the impulse of the limit must be >= 0. ``rounding``
-    is the rounding error of the rates.
+    Where ``limits`` is True, rates + A^T dU must be >= 0 and the limit's impulse must be >= 0.
+    ``rounding`` is the rounding error of each rate.
     """
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):

@@ -1,4 +1,4 @@
-"""The division of a step's contacts into contacts at rest, for the engine, and impacts, for a law.
+"""The division of a step's contacts: the engine resolves contacts at rest, an impact law impacts.
 
 Contacts are read by direct calls of the engine, without pymunk's wrappers, for speed: a space at
 rest has many contacts.
@@ -22,27 +22,28 @@ from bristle_sim.contact_space.touching import (
 )
 
 STEPS_OF_GRAVITY = 2.0
-"""Largest approach speed that counts as rest, over the speed that gravity adds in one step.
+"""Largest approach speed of a contact at rest, as a multiple of the speed that gravity adds in one
+step.
 
 One step passes before the engine finds a new contact, and a bounce shorter than two steps cannot be
 resolved."""
 
-# Surface velocity along the normal that makes the engine take a contact to separate, so that the
-# contact has no impulse.
+# Surface velocity along the normal, in units of the space, at which the engine computes that a
+# contact separates, so that the contact has no impulse.
 OUT_OF_REACH = 1e100
 
 
 class RestFilter:
-    """Divides the contacts of a step into contacts at rest and impacts, which the engine ignores.
+    """Divides the contacts of a step into contacts at rest and impacts.
 
     Attributes:
         space: the space.
-        resting_speed: approach speed up to which a contact is at rest, as given by the user.
-        resting: largest approach speed of a contact at rest in this step; negative until the first
-            contact.
-        at_rest: contacts of this step that are left to the engine.
-        impacts: contacts of this step that the engine ignores.
-        motion: motion in this step of the bodies of ignored contacts and of bodies joined to them.
+        resting_speed: the user's bound on the approach speed of a contact at rest.
+        resting: the bound in effect in this step, which also takes account of gravity; negative
+            until the step's first contact.
+        at_rest: contacts at rest of this step, which the engine resolves.
+        impacts: impacts of this step, which the engine ignores.
+        motion: motion in this step of the bodies in ``impacts`` and of bodies joined to them.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -56,13 +57,13 @@ class RestFilter:
         self._bodies: Any = None
 
     def begin(self, resting_speed: float) -> None:
-        """Prepare for a step of the engine with a given resting speed."""
+        """Prepare for an engine step in which contacts up to ``resting_speed`` are at rest."""
         self.resting_speed = resting_speed
         self.resting = -1.0
         self._bodies = room_for_bodies()
 
     def end(self) -> None:
-        """Release the memory that a step of the engine needs."""
+        """Release the memory that is needed only during an engine step."""
         self._bodies = None
 
     def clear(self) -> None:
@@ -76,10 +77,10 @@ class RestFilter:
         return self.at_rest + self.impacts
 
     def filter_impact(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
-        """Let the engine resolve a contact that is at rest, or make it ignore an impact.
+        """Classify a contact: leave a contact at rest to the engine, or make the engine ignore it.
 
-        A contact at rest has the friction of its rule and no restitution. Since contacts at rest
-        are many, their shapes are not looked up.
+        A contact at rest has the friction of its rule and no restitution. Its shapes are not read,
+        because a space may have many contacts at rest.
         """
         if self._bodies is None:
             return
@@ -96,9 +97,10 @@ class RestFilter:
             self._skip(rule, arbiter)
 
     def _skip(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
-        """Note an impact, and make the engine ignore it but keep the contact and wake its bodies.
+        """Record an impact, and make the engine ignore it.
 
-        The contact is changed so that the engine takes it to separate, without an overlap.
+        The engine's data of the contact are changed to those of a separating contact without
+        overlap. The engine thus applies no impulse, but keeps the contact and wakes its bodies.
         """
         for body in arbiter.bodies:
             self.motion.note(joined([body]))
@@ -113,10 +115,10 @@ class RestFilter:
 
 
 def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
-    """Return the approach speed of a contact's fastest point, and the bodies' speeds at this point.
+    """Return the approach speed of a contact's fastest point, and the scale of its rounding error.
 
-    The rounding error of the approach speed is proportional to the speeds of the bodies. ``bodies``
-    is memory to which the engine writes the bodies.
+    The scale is the sum of the magnitudes of the velocity components of both bodies at this point.
+    The engine writes its pointers to the bodies into ``bodies``.
     """
     first, second = bodies
     lib.cpArbiterGetBodies(raw, first, second)

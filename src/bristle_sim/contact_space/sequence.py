@@ -1,8 +1,8 @@
 """Impacts of one step, resolved one by one until no contact point approaches.
 
-The earliest touch is resolved first; of simultaneous touches the fastest is first. An impact at one
-point can make other points of the same bodies, or of bodies joined to them, approach their
-surfaces. Bodies connected by contacts and joints form a group; groups are independent.
+The earliest touch is resolved first; of touches at the same instant, the fastest. An impact at one
+point can make other contact points of the same bodies, or of bodies joined to them, approach.
+Bodies connected by contacts and joints form a group; groups are independent.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from bristle_sim.contact_space.simultaneous import resolve_at_once
 from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, TouchingPoint
 from bristle_sim.theory.impact_phases import JAM, Impact
 
-# Number of impacts at one point after which its group is resolved at once, since some sequences of
-# bounces have no end.
+# Number of impacts at one point in a step, after which all contacts of its group are resolved
+# simultaneously: a sequence of ever smaller bounces may have no end.
 COLLAPSE = 12
-# Number of impacts of a group after which the group is resolved at once, which bounds the cost of a
-# step.
+# Number of impacts in a group in a step, after which all its contacts are resolved simultaneously.
+# It bounds the cost of a step.
 MOST = 40
 
 
 class Groups:
     """The contact points of a step, and the groups of bodies that contacts and joints connect.
 
-    Contact points are read from the engine when an impact first reaches their bodies.
+    The contact points of a body are read from the engine when an impact first moves the body.
 
     Attributes:
-        points: contact points of each body whose points have been read.
-        impacts: number of impacts so far in each group, by the group's representative body.
+        points: contact points of each body, for bodies whose points have been read.
+        impacts: number of impacts so far in each group; the key is the body that represents it.
     """
 
     def __init__(self, contacts: Iterable[Collision]) -> None:
@@ -49,9 +49,9 @@ class Groups:
         self.impacts: dict[pymunk.Body, int] = {}
 
     def read(self, bodies: Iterable[pymunk.Body]) -> list[TouchingPoint]:
-        """Read the contact points of bodies, and return those that were not read before.
+        """Read the contact points of bodies, and return the points that had not been read before.
 
-        They must be read before the velocities of the bodies change.
+        The points of a body must be read before an impact changes its velocity.
         """
         new: list[TouchingPoint] = []
         for body in bodies:
@@ -66,13 +66,13 @@ class Groups:
         return new
 
     def head(self, body: pymunk.Body) -> pymunk.Body:
-        """Return the body that represents the group of a given body."""
+        """Return the body that represents the group to which ``body`` belongs."""
         while body in self._heads:
             body = self._heads[body]
         return body
 
     def unite(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Merge the groups of bodies into one group, and add up their numbers of impacts."""
+        """Merge the groups of all ``bodies`` into one group; its number of impacts is their sum."""
         first, *others = dict.fromkeys(map(self.head, bodies))
         for each in others:
             self._heads[each] = first
@@ -88,8 +88,8 @@ class ImpactSequence:
         end: time of the end of the step.
 
     Attributes:
-        struck: for each body that an impact has moved, the time from its last impact to the end of
-            the step.
+        struck: time from a body's last impact to the end of the step, for each body that an impact
+            has moved.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class ImpactSequence:
         self.struck: dict[pymunk.Body, float] = {}
 
     def resolve(self) -> None:
-        """Resolve all approaching contacts, and the contacts that their impacts reach."""
+        """Resolve all approaching contacts, and the contacts that approach because of an impact."""
         groups = self._groups
         struck = [body for each in self._filter.impacts for body in each.bodies()]
         self._measure(groups.read(struck))
@@ -119,7 +119,7 @@ class ImpactSequence:
                 self._strike(point)
 
     def _measure(self, points: Iterable[TouchingPoint], since: float = 0.0) -> None:
-        """Update the approach speeds of points, and the set of points that must be resolved.
+        """Update the approach speeds of points, and the set of points that still approach.
 
         ``since`` is the time from the last change of velocities to the end of the step.
         """
@@ -132,16 +132,17 @@ class ImpactSequence:
                 self._approaching.pop(point, None)
 
     def _latest(self, point: TouchingPoint) -> float:
-        """Return the time from the last impact of a point's bodies to the end of the step.
+        """Return the time from the last impact of either body of a point to the end of the step.
 
-        Without an impact it is the duration of the step.
+        If neither body has had an impact, return the duration of the step.
         """
         return min(self.struck.get(body, self._motion.duration) for body in point.bodies)
 
     def _strike(self, point: TouchingPoint) -> None:
         """Resolve the impact at one point at the instant of its touch.
 
-        A jam, which the impulse at one point cannot end, is resolved with the whole group.
+        If the point jams, no impulse at this point alone ends its approach. All contacts of the
+        group are then resolved simultaneously.
         """
         point.impacts += 1
         motion = self._motion
@@ -173,7 +174,7 @@ class ImpactSequence:
             self._strike_all(point)
 
     def _strike_all(self, point: TouchingPoint) -> None:
-        """Resolve all contacts of a point's group at once, at the end of the step.
+        """Resolve all contacts of a point's group simultaneously, at the end of the step.
 
         The group includes bodies that are connected through other bodies.
         """
@@ -196,13 +197,12 @@ class ImpactSequence:
     def _impact(
         self, point: TouchingPoint, connected: Connected
     ) -> tuple[ContactSpace, Impact, bool]:
-        """Return the impact at a point, in which joint limits can only push.
-
-        A limit that would pull takes no part.
+        """Return the impact at a point. A joint limit that would pull transmits no impulse.
 
         Returns:
-            The data of the contact, the impact, and whether the point approaches so slowly that it
-            counts as a contact at rest.
+            The data of the contact.
+            The impact.
+            Whether the point approaches so slowly that its contact counts as at rest.
         """
         place, normal, _ = point.overlap
         released: list[pymunk.Constraint] = []

@@ -1,18 +1,22 @@
-"""Many simultaneous contacts resolved at once, at a bounded cost and without a gain of energy.
+"""The impacts of many contacts resolved simultaneously, at a bounded cost and without a gain of
+energy.
 
-With the contacts' rows B in coordinates scaled by the square root of the mass, orthogonal to the
-joints' rows, impulses p change the contact velocities by W p, W = B^T B, and the kinetic energy by
-p.(v + W p/2). The compression ends with the impulses that make every contact part or keep closed,
-within the friction cones (Moreau's plastic impact):
+Let the columns of B be the contacts' Jacobian rows, scaled by the inverse square root of the mass
+and made orthogonal to the joints' rows. Impulses p then change the contact velocities v by W p with
+W = B^T B, and the kinetic energy by p.(v + W p/2). Compression ends with the impulses after which
+no contact approaches (Moreau's plastic impact). With the velocities after them, the conditions are
 
     v_n >= 0,  p_n >= 0,  v_n p_n = 0,  |p_t| <= mu p_n,  and in slip p_t = -mu p_n sign(v_t).
 
-Without friction cones these impulses minimise the energy. They are found by projected gradients
-with Nesterov's momentum, restarted where it leads uphill (O'Donoghue and Candes 2015). The step is
-1/D with D_ii = sum_kj |B_ki B_kj|, so that D >= W. Restitution adds e p_n and e p_t (Poisson), and
-another plastic impact if it drives contacts together. As p.v <= -p.W p for plastic impulses, (1 +
-e) p loses energy for every e <= 1. The sum p of all impulses is scaled by at most -2 p.v/(p.W p),
-which keeps them in the cones. So no energy is gained even if the iteration has not converged.
+Without friction these impulses minimise the kinetic energy. They are found by the projected
+gradient method with Nesterov's momentum, which is restarted where it leads uphill (O'Donoghue and
+Candes 2015). The step is D^-1 with the diagonal matrix D_ii = sum_kj |B_ki B_kj|, for which D - W
+is positive semidefinite.
+
+Restitution adds e p_n and e p_t (Poisson), and a second plastic impact if contacts approach after
+it. As p.v <= -p.W p for plastic impulses, (1 + e) p loses energy for every e <= 1. Finally the sum
+p of all impulses is multiplied by min(1, -2 p.v/(p.W p)). The impulses remain in the friction
+cones, and no energy is gained even if the iteration has not converged.
 """
 
 from __future__ import annotations
@@ -34,8 +38,8 @@ from bristle_sim.contact_space.joints import (
 from bristle_sim.contact_space.touching import StepMotion, TouchingPoint
 from bristle_sim.theory.impact_phases import NO_REBOUND, REBOUND, Impact
 
-# Largest product of the numbers of iterations and contacts. It permits the 640 iterations that a
-# row of 40 balls needs, and takes some 10 ms of a step for any number of contacts.
+# Largest product of the number of iterations and the number of contacts. It permits the 640
+# iterations that a row of 40 balls needs, and takes some 10 ms for any number of contacts.
 EFFORT = 25_000
 # Change of the impulses in an iteration, as a fraction of the largest impulse, at which the
 # iteration has converged.
@@ -45,15 +49,19 @@ SETTLED = 1e-8
 def resolve_at_once(
     points: Sequence[TouchingPoint], connected: Connected, motion: StepMotion, resting: float
 ) -> list[Impact]:
-    """Resolve the impacts at all contact points of connected bodies at once.
+    """Resolve the impacts at all contact points of connected bodies simultaneously.
 
-    The function changes the velocities of the bodies. The impact takes place at the end of the
-    step; the engine's velocities are those of half a step later. A point that approaches no faster
-    than ``resting`` has no restitution.
+    The function changes the bodies' velocities.
+
+    Args:
+        points: all contact points of the bodies.
+        connected: the bodies and the joints between them.
+        motion: velocity changes in the step. The impact takes place at the end of the step, while
+            the engine's velocities are those of half a step later.
+        resting: approach speed up to which a point has no restitution.
 
     Returns:
-        The impact of each point. The work done at all points adds up to the change of the kinetic
-        energy.
+        The impact of each point. The sum of their work is the change of the kinetic energy.
     """
     bodies, joints = connected
     motion.kick(bodies, -0.5)
@@ -73,7 +81,7 @@ def resolve_at_once(
     restitution[-before[:, 0] <= resting] = 0.0
 
     def gain(impulse: Array) -> Array:
-        """Return the change of the contact velocities by impulses at the contacts, shape (m, 2)."""
+        """Return the changes of the contact velocities that the impulses cause, shape (m, 2)."""
         return np.asarray(transposed @ (contacts @ impulse.ravel())).reshape(-1, 2)
 
     first = _plastic(gain, step, friction, before)
@@ -98,8 +106,8 @@ def _plastic(
     """Return the impulses of a plastic impact at m contacts, shape (m, 2).
 
     Args:
-        gain: function that returns the change of the contact velocities by impulses.
-        step: step of the gradient method for each component of the impulses.
+        gain: function that returns the changes of the contact velocities that impulses cause.
+        step: step of the gradient method for each impulse component, shape (m, 2).
         friction: coefficient of friction of each contact.
         velocity: contact velocities before the impact, shape (m, 2).
     """
@@ -126,10 +134,14 @@ def _plastic(
 
 
 def _record(first: Array, second: Array, before: Array, middle: Array, after: Array) -> Impact:
-    """Return the impact of one contact from its impulses and velocities, each (normal, tangential).
+    """Return the impact of one contact; all arguments are (normal, tangential) pairs.
 
-    ``first`` and ``second`` are the impulses of compression and restitution. ``before``, ``middle``
-    and ``after`` are the velocities before, between and after these impulses.
+    Args:
+        first: impulse of compression.
+        second: impulse of restitution.
+        before: velocity before the impact.
+        middle: velocity at the end of compression.
+        after: velocity after the impact.
     """
     nothing = np.zeros(2)
     impulses = np.array([first, nothing, second, nothing])

@@ -1,5 +1,4 @@
-"""Motion of bodies in the engine's last step, and contact points, traced back to the instant of
-touch.
+"""The motion of bodies in the engine's last step, and their contact points at the instant of touch.
 
 The engine integrates by the leapfrog method: it moves positions by the old velocity, and then
 changes velocities. With the velocity V before a step of length h and V + g after it, V is the
@@ -40,7 +39,7 @@ _BODY = ffi.typeof("cpBody *[1]")
 
 
 def room_for_bodies() -> tuple[Any, Any]:
-    """Return memory to which the engine writes the two bodies of an arbiter.
+    """Return memory into which the engine writes pointers to the two bodies of a contact.
 
     Threads must not share this memory.
     """
@@ -61,12 +60,12 @@ def velocity_of(body: pymunk.Body) -> Motion:
 
 
 class StepMotion:
-    """The changes of velocity, in one step, of the bodies that impacts may set in motion.
+    """The velocity changes in one step of all bodies that an impact may move.
 
     Attributes:
         duration: duration of the step.
-        gains: change of each body's velocities in the step. Bodies without an entry moved
-            uniformly.
+        gains: change of velocity and angular velocity of each body in the step. The velocities of
+            bodies without an entry did not change.
     """
 
     def __init__(self) -> None:
@@ -75,15 +74,16 @@ class StepMotion:
         self._groups: list[Connected] = []
 
     def note(self, connected: Connected) -> None:
-        """Record the velocities of joined bodies before the engine changes them in the step."""
+        """Record the velocities of connected bodies before the engine changes them in the step."""
         if connected[0] and connected[0][0] not in self.gains:
             self._groups.append(connected)
             self.gains.update({body: velocity_of(body) for body in connected[0]})
 
     def finish(self, duration: float) -> None:
-        """Compute, after the step, the changes of velocity in it.
+        """Compute the velocity changes of a step that has just ended.
 
-        The part of a change that the joints do not permit is left out: it corrects the joints.
+        The part of a change that violates the joints is left out, because the engine has added it
+        to correct joint positions.
         """
         self.duration = duration
         for bodies, joints in self._groups:
@@ -97,8 +97,9 @@ class StepMotion:
                     self.gains[body] = (complex(x, y), turn)
 
     def changes(self, bodies: Sequence[pymunk.Body]) -> Array:
-        """Return the changes of v_x, v_y and the angular velocity of bodies in the step, shape
-        (3 * len(bodies),).
+        """Return the velocity changes of bodies in the step, shape (3 * len(bodies),).
+
+        They are the changes of v_x, v_y and the angular velocity of each body.
         """
         gains = [self.gains.get(each, NONE) for each in bodies]
         return np.array([[gain.real, gain.imag, turn] for gain, turn in gains]).ravel()
@@ -109,15 +110,15 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return how long after an instant the engine's velocities hold, as a number of steps.
+        """Return the time from an instant to that of the engine's velocities, as a number of steps.
 
-        ``time`` is the time from the instant to the end of the step. The engine's velocities hold
-        half a step after this end.
+        ``time`` is the time from the instant to the end of the step. The engine's velocities are
+        those of half a step after this end.
         """
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
-        """Move bodies by a time with the velocities that they had within the step.
+        """Move bodies for a time with the velocities that moved them in the step.
 
         A negative time moves the bodies back.
         """
@@ -132,15 +133,17 @@ class StepMotion:
             lib.cpBodySetPosition(raw, (place.x + moved.real, place.y + moved.imag))
 
     def kick(self, bodies: Sequence[pymunk.Body], steps: float) -> None:
-        """Add to the velocities of bodies their changes in the step, multiplied by ``steps``."""
+        """Add ``steps`` times the velocity changes of the step to the velocities of bodies."""
         set_in_motion(bodies, steps * self.changes(bodies))
 
 
 class Overlap(NamedTuple):
     """The geometry of a contact point.
 
-    ``point`` holds the world coordinates of the contact, ``normal`` the unit vector towards the
-    first body, and ``depth`` the depth of the overlap.
+    Attributes:
+        point: world coordinates of the contact.
+        normal: unit vector towards the first body.
+        depth: depth of the overlap.
     """
 
     point: complex
@@ -148,9 +151,9 @@ class Overlap(NamedTuple):
     depth: float
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
-        """Return point and normal extrapolated linearly from this overlap through another overlap.
+        """Return an overlap whose point and normal are extrapolated linearly.
 
-        ``factor`` is 0 at this overlap and 1 at the other one.
+        ``factor`` is 0 at this overlap and 1 at ``later``. The depth is that of this overlap.
         """
         normal = self.normal + factor * (later.normal - self.normal)
         point = self.point + factor * (later.point - self.point)
@@ -158,7 +161,10 @@ class Overlap(NamedTuple):
 
 
 def overlaps(contact: Any) -> list[Overlap]:
-    """Return the geometry of the engine's contact points, with normals towards the first shape."""
+    """Return the geometry of each contact point in a contact point set of the engine.
+
+    The normals point towards the first shape.
+    """
     normal = -complex(contact.normal.x, contact.normal.y)
     found = []
     for index in range(contact.count):
@@ -177,7 +183,7 @@ shape relative to the first shape."""
 
 
 def seen(arbiter: pymunk.Arbiter) -> Seen:
-    """Return the geometry of a contact that the engine has found."""
+    """Return shapes, contact points and surface velocity of a contact that the engine has found."""
     points = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
     return arbiter.shapes, overlaps(points), complex(*arbiter.surface_velocity)
 
@@ -186,13 +192,12 @@ def seen(arbiter: pymunk.Arbiter) -> Seen:
 class Collision:
     """A contact that the engine found in a step.
 
-    Outside callbacks an arbiter may have its shapes in the other order.
-
     Attributes:
-        arbiter: the engine's object for the contact.
+        arbiter: the engine's object for the contact. Outside callbacks the order of its two shapes
+            may be reversed.
         pair: rule of the two collision types.
-        before: geometry of an impact before the engine was made to ignore it; None for a contact at
-            rest.
+        before: geometry of an impact before the engine's data of it were changed; None for a
+            contact at rest.
     """
 
     arbiter: pymunk.Arbiter
@@ -231,15 +236,15 @@ class TouchingPoint:
         shapes: the two shapes.
         bodies: the two bodies; the first is dynamic.
         surface_velocity: velocity of the second body's surface relative to the first body's
-            surface, in addition to the motion of the bodies, as of a conveyor.
-        rests: whether the engine has resolved the contact as one at rest.
-        overlap: point and normal at the end of the step or at the instant of touch, and depth at
-            the end of the step.
+            surface, in addition to the motion of the bodies, as on a conveyor belt.
+        rests: whether the contact was at rest, so that the engine has resolved it.
+        overlap: geometry of the point. The depth is that at the end of the step. Point and normal
+            are those at the instant of touch once that instant has been located.
         drift: speed at which the overlap grew during the step.
         time: time from the touch to the end of the step.
         approach: approach speed of the bodies at the touch.
-        speed: largest speed of the two bodies at the point so far, to which the rounding error of
-            ``approach`` is proportional.
+        speed: largest speed that either body has had at the point in this step. The rounding error
+            of ``approach`` is proportional to it.
         impacts: number of impacts at the point so far.
     """
 
@@ -258,8 +263,10 @@ class TouchingPoint:
     def measure(self, motion: StepMotion, since: float, latest: float) -> None:
         """Compute the approach speed and the time of the touch from the present velocities.
 
-        ``since`` is the time from the last change of the velocities to the end of the step. The
-        touch is at most the time ``latest`` before the end of the step.
+        Args:
+            motion: velocity changes in the step.
+            since: time from the last change of the velocities to the end of the step.
+            latest: longest time from the touch to the end of the step; a longer one is cut to it.
         """
         point, normal, depth = self.overlap
         relative = self.surface_velocity
@@ -285,9 +292,12 @@ class TouchingPoint:
         self.approach = growth - motion.steps(self.time) * gain
 
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
-        """Move bodies back to the instant of touch, and correct the estimates of time and location.
+        """Move bodies back to the instant of touch, which is located more closely by their shapes.
 
-        The touch is at most the time ``latest`` before the end of the step.
+        Args:
+            motion: velocity changes in the step.
+            bodies: the bodies to move.
+            latest: longest time from the touch to the end of the step; a longer one is cut to it.
         """
         time = self.time
         after = self._look() if time else None
@@ -307,9 +317,9 @@ class TouchingPoint:
         self.time = 0.0
 
     def _look(self) -> Overlap | None:
-        """Return the overlap of the shapes at the bodies' present positions.
+        """Return the overlap of the two shapes at present; None if they do not overlap.
 
-        Of several overlaps it is the one nearest to the known point. Without an overlap it is None.
+        Of several overlaps the one nearest to the last contact point is returned.
         """
         first, second = self.shapes
         first.cache_bb()
@@ -318,9 +328,9 @@ class TouchingPoint:
         return min(found, key=lambda each: abs(each.point - self.overlap.point), default=None)
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
-        """Return an impact at the point together with its time, location and bodies.
+        """Return an impact at the point with its time, location and bodies, for a report.
 
-        ``end`` is the time of the end of the step.
+        ``end`` is the time at the end of the step.
         """
         point, normal, _ = self.overlap
         entries: dict[str, Any] = {each.name: getattr(impact, each.name) for each in fields(Impact)}

@@ -1,7 +1,7 @@
 """A warning if shapes pass through each other within one step.
 
 The engine looks for contacts only at the ends of steps. It separates two shapes in the direction of
-least overlap. This is the right direction only while their middles have not passed each other. With
+least overlap. This is the right direction only while their centres have not passed each other. With
 the least widths a and b of the shapes and the approach speed v, a step of length h is short enough
 if v h <= (a + b)/2. A dynamic body that moves farther is followed along the straight line of its
 next step. It passes through a shape on this line if it does not touch the shape at the beginning
@@ -31,12 +31,12 @@ Types = tuple[int, int]
 class TunnellingWatch:
     """Warns once if a body passes through a shape with which it should collide.
 
-    All speeds are read in every step while a body is fast or the number of shapes has changed,
-    otherwise in every sixteenth step. The least widths of the shapes are computed when the number
-    of shapes changes.
+    The speeds of all bodies are read in every step while a body is fast, and in the step after the
+    number of shapes has changed; otherwise in every sixteenth step. The least widths of the shapes
+    are computed when their number changes.
 
     Attributes:
-        warned: whether the warning has been given; speeds are not read after that.
+        warned: whether the warning has been given. Speeds are not read after the warning.
     """
 
     def __init__(self) -> None:
@@ -46,9 +46,12 @@ class TunnellingWatch:
         self._least_extent = 0.0
 
     def watch(self, space: pymunk.Space, pairs: Collection[Types], duration: float) -> None:
-        """Warn if a body will pass through a shape in the step that begins.
+        """Warn if a body will pass through a shape in the next step.
 
-        ``duration`` is the duration of the step.
+        Args:
+            space: the space.
+            pairs: pairs of collision types whose shapes should collide.
+            duration: duration of the step.
         """
         if self._unwatched and len(space._shapes) == self._shapes:
             self._unwatched -= 1
@@ -75,7 +78,7 @@ class TunnellingWatch:
     def _follow(
         self, space: pymunk.Space, pairs: Collection[Types], body: pymunk.Body, duration: float
     ) -> None:
-        """Warn if one body will pass through a shape in the step that begins."""
+        """Warn if ``body`` will pass through a shape in the next step."""
         speed = body.velocity.length
         for shape in body.shapes:
             extent = least_extent(shape)
