@@ -195,7 +195,7 @@ def _draw_tool(
             drawing.wire.set_gid(f"wire {mark.number}")
             drawing.place(line)
             # In the hub, nearer to its rim for every other event: roots may be close together.
-            inward = 0.92 - 0.1 * (mark.number % 2)
+            inward = 0.86 - 0.1 * (mark.number % 2)
             axes.plot(*(inward * MILLIMETRES * line[0]), **mark.look)
     return [*shown, drawing.root] if marks else shown
 
