@@ -63,17 +63,23 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
     miss, or the whole interval, and None.
 
     Events of contacts come before touches: a contact that slides onto the neighbouring link is not
-    a new touch of that link.
+    a new touch of that link. In flight touches come first: an extreme after a touch is not located.
     """
-    interval, changed = first_change(system, motion.events, interval)
-    first = None if changed is None else Happening(changed.kind, changed.subject)
     sustained = [contact.pair for contact in motion.contacts]
+    first = None
+    changed = None
+    if sustained:
+        interval, changed = first_change(system, motion.events, interval)
     for pair in system.pairs:
         if pair not in sustained and interval.length > 0.0:
             found = _touch(system, interval, pair, sustained, motion.separating)
             if found is not None:
                 interval, first = found
                 changed = None
+    if not sustained:
+        interval, changed = first_change(system, motion.events, interval)
+    if changed is not None:
+        first = Happening(changed.kind, changed.subject)
     for event in motion.events:
         if event is changed:
             event.sign = -(event.sign or 0.0)
