@@ -3,9 +3,9 @@
 It contains only the effects that are requested. The engine's corrections of position errors are
 switched off. Joints are not pulled together (``error_bias`` 1), because a correction would feed
 position errors into the velocities. An interval of motion starts from bodies placed exactly on
-their joints; the drift off the joints within the interval is smooth in the step, so it vanishes
-when the step is extrapolated to zero. For the same reason touching shapes are not pushed apart
-(``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
+their joints. They drift off the joints within the interval; this drift is a smooth function of the
+step, so extrapolation to the step zero removes it. For the same reason touching shapes are not
+pushed apart (``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
 
 Operations done thousands of times per simulation call the engine (Chipmunk) directly: a step
 through pymunk's wrappers takes 0.77 us, of which the engine itself takes 0.34 us.
@@ -30,18 +30,20 @@ from bristle_sim.scene.pairs import ClosedPair, ContactPair
 from bristle_sim.scene.solver import LinkVelocity, WireVelocities
 
 SHAPE_MARGIN = 0.02
-"""Length by which the engine's shapes of obstacles are enlarged, over the link's length. The engine
-then detects each touch. It corrects no position, because the overlap is within its tolerance."""
+"""Length by which the engine's shapes of obstacles are enlarged, as a fraction of the link's
+length, so that the engine detects each touch. The overlap is within ``collision_slop``, so the
+engine corrects no position."""
 
 LONGEST_WARM_RATIO = 1e3
-"""Largest ratio of a step to the step before it at which the engine starts from the joint impulses
-of the step before. With a larger ratio, the scaled rounding error of these impulses would show."""
+"""Largest ratio of a step to the previous step at which the engine starts from the joint impulses
+of the previous step, which it multiplies by this ratio. At a larger ratio their rounding error
+would be noticeable."""
 
 LONGEST_SINGLE_RATIO = 2.0
-"""The same ratio where a single step of a length is taken. The engine scales the impulse that it
-applies, by the ratio s, but not the impulse that it remembers, which becomes 1 - s times as large.
-Further steps of the same length correct the remembered impulse. Without them, alternating short and
-long steps would make it grow without bound."""
+"""Largest ratio of a step to the previous step where only one step of the new length is taken. The
+engine multiplies the impulse that it applies by the ratio s, but not the impulse that it stores,
+which becomes 1 - s times as large. Further steps of the same length correct the stored impulse.
+Without them, alternating short and long steps would make it grow without bound."""
 
 # number of links up to which a step counts once in ``work``; measured, the solver of the joints
 # takes 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
@@ -50,8 +52,9 @@ LINKS_OF_A_STEP = 32
 
 @dataclass(frozen=True, slots=True)
 class Effects:
-    """Springs, damping, gravity and contacts of a scene, in engine units; None, 0 and () leave an
-    effect out.
+    """Springs, damping, gravity and contacts of a scene, in engine units.
+
+    An effect is absent if its value is None, 0 or ().
 
     Attributes:
         stiffness: stiffness of the torsion spring between the hub and the first link of each wire.
@@ -59,7 +62,7 @@ class Effects:
         gravity: acceleration of gravity, along -y.
         pairs: pairs of bodies that can touch.
         hinges: (stiffness, damping) of the torsion spring in each joint between two links of a
-            wire. The springs are unstressed where all links have the same angle.
+            wire. The springs are unstressed if all links have the same angle.
     """
 
     stiffness: float | None = None
@@ -72,12 +75,13 @@ class Effects:
 class Placer:
     """Sets and reads the positions and velocities of bodies, by one engine call for each body.
 
-    ``values`` are six numbers for each body, as last set or read: centre x and y, angle, velocity
-    of the centre along x and y, rate.
+    Attributes:
+        values: six numbers for each body, as last set or read: x and y of the mass centre, angle,
+            velocity of the mass centre along x and y, angular velocity.
     """
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
-        """Prepare to place the given bodies, in the given order."""
+        """Prepare to place ``bodies``, in the order in which their values will be given."""
         self._bodies = [body._body for body in bodies]
         # Room for another body, or the engine would move the numbers to a place of its own.
         self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
@@ -88,7 +92,7 @@ class Placer:
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
 
     def __call__(self, values: Sequence[float] | None) -> None:
-        """Set the bodies' positions and velocities to new ``values``; None sets them again."""
+        """Set the bodies' positions and velocities to ``values``, or to the last values if None."""
         if values is not None:
             self.values[: len(values)] = array("d", values)
         self._numbers.num = 0
@@ -120,10 +124,10 @@ class Scene:
         joint_solver: solver of joints, damping and sustained contacts.
         put: sets positions and velocities of all bodies.
         steps: number of steps taken.
-        work: cost of the steps taken: a step counts once for every ``LINKS_OF_A_STEP`` links, or
-            part of them.
+        work: number of steps taken, each multiplied by the number of links divided by
+            ``LINKS_OF_A_STEP`` and rounded up.
         placed: state and drift of the last call of ``place``.
-        turned: whole revolutions (rad) that are subtracted from all angles in the engine.
+        turned: multiple of 2 pi (rad) that is subtracted from all angles in the engine.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
@@ -170,7 +174,7 @@ class Scene:
         self.keep_closed(())
 
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
-        """Keep the given sustained contacts closed from now on; () stands for none."""
+        """Keep the contacts closed in all further steps, and no other contacts."""
         solving = bool(contacts) or self.mechanism.jointed
         if solving is (self._solve is None):
             self._solve = self.joint_solver.solve if solving else None
@@ -180,8 +184,9 @@ class Scene:
             self.joint_solver.set_contacts(contacts)
 
     def place(self, state: State, drift: float = 0.0) -> None:
-        """Set positions and velocities of all bodies to a state, and move each body at its own
-        constant velocity for the time ``drift``, which may be negative.
+        """Set the positions and velocities of all bodies to those of a state.
+
+        Each body is then moved for the time ``drift``, which may be negative, at constant velocity.
         """
         if self.placed[0] is state and self.placed[1] == drift:
             self.put(None)  # repetitions of one interval all start from one state
@@ -203,15 +208,18 @@ class Scene:
         self.put(values)
 
     def state_at(self, time: float, values: Sequence[float]) -> State:
-        """Return the state from a list that begins with the links' angles and rates in the engine."""
+        """Return the state at a time from the engine's values.
+
+        ``values`` begins with the engine's angles of all links, then their angular velocities.
+        """
         links = len(self.links)
         angles = [angle + self.turned for angle in values[:links]]
         return State(time, tuple(angles), tuple(values[links : 2 * links]))
 
     def step_alone(self, length: float) -> None:
-        """Take one step of the engine without ``joint_solver``.
+        """Take one step of the engine without a correction by ``joint_solver``.
 
-        The next step does not start from the joint impulses of this step.
+        The solver of the next step does not start from the joint impulses of this step.
         """
         self.steps += 1
         self._engine_step(length)
@@ -232,14 +240,14 @@ class Scene:
             length: length of a step.
             count: number of steps; even for symmetric steps.
             act: function that is called before each step.
-            symmetric: whether the steps are symmetric in time. The bodies must have been placed
-                where they would have been half a step earlier.
-            middle: list to which the angles and rates of all links after half of the steps are
-                added; None without them.
+            symmetric: whether the steps are symmetric in time. The bodies must then have been
+                placed where they would have been half a step earlier.
+            middle: list to which the function appends the angles and angular velocities of all
+                links after half of the steps; None if they are not needed.
 
         Returns:
-            The angles of all links, then their rates, then their accelerations in the last step, or
-                in the last two symmetric steps.
+            One list of the angles of all links, then their angular velocities, then their mean
+                angular accelerations in the last step (in the last two steps if ``symmetric``).
         """
         self.steps += count
         self.work += count * math.ceil(len(self._links) / LINKS_OF_A_STEP)
@@ -278,8 +286,9 @@ class Scene:
         return [*angles, *after, *[each / (last * length) for each in map(sub, after, before)]]
 
     def _forget_impulses(self, length: float) -> None:
-        """Make the engine forget the joint impulses of the last step before much longer steps,
-        because it would scale them by the ratio of the lengths.
+        """Set the joint impulses that the engine stores to zero, before steps of a greater length.
+
+        Otherwise the engine would multiply them by the ratio of the lengths.
         """
         for joint in self.joints:
             joint.max_force = 0.0
@@ -296,10 +305,13 @@ class Scene:
 def _add_links(
     space: pymunk.Space, mechanism: Mechanism, effects: Effects, hub: pymunk.Body | None
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint], list[pymunk.DampedRotarySpring]]:
-    """Add every link, its pivot and its spring to a space, and return them in order from the root.
+    """Add the links with their pivots and springs to a space.
 
-    The springs must be added after the joints: the engine then damps velocities that the joints
-    have corrected already, and the result stays smooth in the step.
+    The springs must be added after the joints. The engine then damps velocities that the joints
+    have already corrected, and the result is a smooth function of the step.
+
+    Returns:
+        The bodies, the pivots and the springs, each in order from the root.
     """
     bodies = []
     joints = []
@@ -330,16 +342,16 @@ def _add_links(
 
 MOST_DAMPING = 8.0
 """Longest interval, in time constants of the engine's damping: two time constants for each of the
-four steps of the coarsest repetition. In a far longer step damping removes the whole rate, whatever
-the length of the step. All repetitions would then agree that the belt does not move, and the error
-estimate would miss the error."""
+four steps of the coarsest repetition. In a far longer step damping reduces the angular velocity to
+zero, whatever the length of the step. All repetitions would then agree that the belt does not move,
+and the error estimate would miss the error."""
 
 
 def damped_interval(scene: Scene) -> float:
-    """Return the longest interval in which the engine's steps resolve the damping; infinity without
-    damping.
+    """Return the longest interval in which the engine's steps resolve the damping.
 
-    The engine damps the links as free bodies, before the joints correct their velocities.
+    It is infinite without damping. The time constant is that of links without joints, because the
+    engine damps the links before the joints correct their velocities.
     """
     links = scene.mechanism.links
     belt = scene.effects.damping / links[0].inertia

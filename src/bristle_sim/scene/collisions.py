@@ -23,12 +23,12 @@ from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord
 
 MOST_IMPACTS_AT_ONCE = 64
-"""Largest number of impacts at one instant, over the square of the number of closed contacts. After
-more impacts the links count as jammed."""
+"""Largest number of impacts at one instant, divided by the square of the number of closed contacts.
+After more impacts the links count as jammed."""
 
 MOST_CHANGED_APPROACH = 0.5
-"""Largest relative change of an impact's velocity jumps, caused by the run's error, up to which the
-error is assumed to grow linearly."""
+"""Largest relative change of an impact's velocity jumps by the run's error, up to which the error
+is assumed to grow linearly in the impact."""
 
 
 def end_contacts(
@@ -41,7 +41,12 @@ def end_contacts(
 ) -> tuple[ActiveContact, ...]:
     """Record the contacts in ``ending`` as ended, and return the other contacts.
 
-    ``released``: whether the run also records a release for each contact that ends.
+    Args:
+        system: the run.
+        contacts: the active contacts.
+        ending: the contacts that end.
+        outcome: outcome that their records state.
+        released: whether to record the event of a release too, for each contact that ends.
     """
     system.scene.keep_closed(())
     for contact in ending:
@@ -53,7 +58,7 @@ def end_contacts(
 
 
 def jam(system: System, *pairs: ContactPair) -> None:
-    """Stop the run because links jam at some pairs."""
+    """Stop the run because links jam at the given pairs, and record a jam."""
     system.stop(StopReason.JAM)
     system.event("jam", sorted({wire for pair in pairs for wire in system.wires_of(pair)}))
 
@@ -61,15 +66,17 @@ def jam(system: System, *pairs: ContactPair) -> None:
 def resolve_impacts(
     system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool
 ) -> Motion:
-    """Resolve an impact and the impacts that it causes at the same instant; return the motion with
-    the contacts after them.
+    """Resolve an impact and the impacts that it causes at the same instant.
 
     Args:
         system: the run.
         motion: the motion before the impact.
         pair: the link and the obstacle that touch.
         name: name of the touch as an event.
-        rests: whether the link comes to rest, without restitution.
+        rests: whether the impact has no restitution, so that the link comes to rest.
+
+    Returns:
+        The motion after the impacts, with its contacts.
     """
     single_link = system.mechanism.single_link
     contacts = motion.contacts
@@ -100,13 +107,17 @@ def resolve_impacts(
 
 
 def _least_opening_rate(system: System, pair: ContactPair) -> float:
-    """Return the smallest rate at which a single link gains clearance between a pair and any other
-    pair that it touches. A negative rate wedges the link.
+    """Return the least opening rate of a single link that touches two obstacles.
 
-    Each contact's normal velocity is drift + lever * rate, where the drift is the part from the
-    motion of the joint and the rate is the link's angular velocity. If the levers have opposite
-    signs, one rate can make both velocities positive only if the sum of drift / abs(lever) is
-    positive; the rate cancels in this sum. Levers of the same sign wedge nothing.
+    Let v_1 and v_2 be the normal velocities of the two contacts and l_1, l_2 the levers of their
+    normals about the joint. Each is v = u + l w with the link's angular velocity w and the part u
+    from the motion of the joint. If the levers have opposite signs, w cancels in the opening rate
+    v_1/|l_1| + v_2/|l_2|. If the rate is negative, no w opens both contacts, so the link is wedged.
+    Contacts whose levers have the same sign cannot wedge a link.
+
+    Returns:
+        The least opening rate of ``pair`` and any other closed pair, in engine units of angular
+        velocity; infinite if no other closed pair has a lever of the opposite sign.
     """
     touch = system.closest(pair, system.state)
     lever = cross(touch.arm, touch.normal)
@@ -122,11 +133,17 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
 
 
 def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Motion:
-    """Resolve an impact, and those that it causes at other closed contacts; return the motion with
-    the contacts after them.
+    """Resolve the impacts at all closed contacts of several links until no contact approaches.
 
-    The contact with the fastest approach is resolved first, repeatedly, until no contact
-    approaches.
+    The contact with the fastest approach is always resolved first.
+
+    Args:
+        system: the run.
+        motion: the motion after the first impact.
+        touched: the pair of the first impact.
+
+    Returns:
+        The motion after the impacts, with its contacts.
     """
     lasting = {contact.pair: contact for contact in motion.ordered}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
@@ -153,8 +170,9 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
 
 
 def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact, ...]:
-    """Return the contacts with springs after an impact elsewhere on the wire, each in the phase
-    that fits the new velocity of its contact point.
+    """Return the contacts with springs after an impact elsewhere on the wire.
+
+    The phase of each contact is changed to fit the new velocity of its contact point.
     """
     for spring in motion.springs:
         spring.at_rest = False
@@ -165,8 +183,9 @@ def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact
 
 
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
-    """Resolve an impact by the contact law of its pair, without restitution if the link comes to
-    rest; return the record.
+    """Resolve and record an impact by the contact law of its pair, and return its record.
+
+    ``rests`` states whether the impact has no restitution, so that the link comes to rest.
     """
     before = system.state
     touched = pair
@@ -187,14 +206,20 @@ def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord
 def propagate_error(
     system: System, pair: ContactPair, before: State, record: ContactRecord
 ) -> None:
-    """Propagate the run's error estimate over an impact.
+    """Update the run's error estimate after an impact.
 
-    Two neighbouring motions are compared with the simulated motion. Both differ from it by the
-    error in angle; one has the error added to its angular velocities, the other has it subtracted.
-    Each neighbouring motion touches at another instant, with another speed of approach and another
-    lever of the normal, so its velocities jump by another amount. If the law has adjusted the slip
-    so that slip and approach end together, it is uncertain whether the contact sticks or jams; the
-    error is then recorded as unknown.
+    Two neighbouring motions are compared with the simulated motion. In both, the estimated error is
+    added to the angles. In one it is added to the angular velocities too, in the other it is
+    subtracted from them. Their instant of touch, approach speed and lever of the normal differ from
+    those of the simulated motion, so the jumps of their velocities differ too. If the law has
+    corrected the slip velocity so that slip and approach end together, it is uncertain whether the
+    contact sticks or jams; the error is then recorded as unknown.
+
+    Args:
+        system: the run, in the state after the impact.
+        pair: the link and the obstacle that touch.
+        before: state before the impact.
+        record: record of the impact.
     """
     recording = system.recording
     if recording.lost is not None:
@@ -212,7 +237,11 @@ def propagate_error(
     stays = record.velocity_after[0] <= system.slow
 
     def neighbour(off: float, late: float) -> ClosestApproach:
-        """Return the closest approach of a neighbouring motion at a time after the touch."""
+        """Return the closest approach of a neighbouring motion at a time after the touch.
+
+        ``off`` is the difference of its angular velocities from the simulated ones, ``late`` the
+        time after the touch.
+        """
         moving = rates + off
         angles = before.angles + (error + late * moving)
         moving = moving + late * accelerations

@@ -23,32 +23,35 @@ from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
-"""Shortest duration of a simulated contact times sqrt(e*), in scene time units. Measured: a contact
-of duration T differs from the rigid-body limit by 0.4 T, and rounding error of the penetration adds
-4e-14/(T e*); the sum is least near this duration. Damping at a rate r > 1 takes the fraction r T of
-a velocity during the contact, so the shortest duration is then smaller by the factor sqrt(r)."""
+"""Lower bound of T sqrt(e*), in scene time units, with the duration T of a simulated contact.
+Measured: the contact differs from the rigid-body limit by 0.4 T, and rounding error of the
+penetration adds 4e-14/(T e*); the sum is least near this bound. Damping with a time constant
+1/r < 1 reduces a velocity by the fraction r T during the contact, so the bound is then divided by
+sqrt(r)."""
 
 FORCE_ROUNDING = 1e-15
-"""Error that rounding of the force causes in a velocity within one interval, times the contact's
-duration and e*, in scene units."""
+"""Error of a velocity after one interval, caused by rounding error of the contact force and
+multiplied by T e* with the contact's duration T, in scene units."""
 
 CLEAR_OF_ROUNDING = 1e4
 """Least ratio of tolerance to rounding error at which the closely spaced step numbers ``CLOSE`` are
 used for extrapolation. Their weights amplify rounding error 100 times as much as those of ``WIDE``.
-Measured for accuracies from 0.1 to 1e-4: they need two thirds to nine tenths of the steps, with the
-same error."""
+Measured for accuracies from 0.1 to 1e-4: ``CLOSE`` needs two thirds to nine tenths of the steps of
+``WIDE``, with the same error."""
 
-# least penetration in scene units, times e*, of a simulated contact; in a shallower one rounding
-# error decides when the contact ends, and the rigid-body law is more accurate
+# Lower bound of d e*, in scene units, with the penetration d of a simulated contact. In a shallower
+# contact rounding error decides when the contact ends, and the rigid-body law is more accurate.
 LEAST_DEPTH = 1e-13
 
-LEAST_RESTITUTION = 1e-3  # least e* other than 0: the spring unloads 1/e* times as fast as it loads
+# Least e* other than 0. Unloading takes e* times as long as loading; with a smaller e* it would be
+# too short for double precision.
+LEAST_RESTITUTION = 1e-3
 
 SAMPLES_OF_A_COURSE = 24
 """Least number of intervals in a contact. Their ends are the samples of its force history, which
-are joined by straight lines in a drawing. With e* = 0.42 seven of the 24 lie in restitution; the
-straight lines then differ from the quarter wave by (pi/14)^2/8 = 0.6 % of the peak. Half as many
-would differ by 2.5 %, which shows as a polygon."""
+are joined by straight lines in a drawing. With e* = 0.42 seven of the 24 lie in restitution. The
+straight lines then differ from the force, a quarter of a sine wave, by (pi/14)^2/8 = 0.6 % of the
+peak. With half as many intervals the difference is 2.5 %, and the drawing looks like a polygon."""
 
 SAMPLES_OF_A_SWING = 5
 """Least number of intervals in half a period of the tangential spring's oscillation."""
@@ -60,12 +63,12 @@ class CompliantLaw(ContactLaw):
 
     Args:
         duration: duration of the first contact, engine units, without tangential compliance. For a
-            wire that bends it is the duration that the same wire would have if it were rigid and
-            without friction. None makes every contact so short that it matches the rigid-body limit
-            to ``accuracy``.
+            wire that bends it is the duration that the contact would have if the wire were rigid
+            and had no friction. If it is None, every contact is so short that its outcome agrees
+            with the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
-        stiffness: stiffness of the spring in compression, engine units; None derives it from
-            ``duration``. If it is given, ``duration`` is only an estimate.
+        stiffness: stiffness of the spring in compression, engine units; by default it follows from
+            ``duration``. If a stiffness is given, ``duration`` is only an estimate.
         tangential_compliance: tangential compliance eta^2, dimensionless.
         time_unit: unit of time of the scene (s) for messages.
     """
@@ -79,7 +82,7 @@ class CompliantLaw(ContactLaw):
     instantaneous: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        """Note whether the duration is given."""
+        """Record whether the user has given the duration."""
         self.finite_duration = self.duration is not None
 
     def spring(
@@ -87,7 +90,12 @@ class CompliantLaw(ContactLaw):
     ) -> SpringContact | None:
         """Return the spring of a new contact; None if the touch is too slow to be simulated.
 
-        ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
+        Args:
+            scene: the scene.
+            state: the state at the touch.
+            pair: the link and the workpart.
+            press: acceleration (engine units) at which the contact point, if it were at rest, would
+                approach the workpart.
 
         Raises:
             ValueError: if the contact is too short, or its restitution too small, for double
@@ -148,13 +156,13 @@ class CompliantLaw(ContactLaw):
         )
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
-        """Return the contact duration that serves as the rigid-body limit.
+        """Return a contact duration that is short enough to agree with the rigid-body limit.
 
-        It is short enough for the accuracy, but long enough to keep rounding error small.
+        It is also long enough to keep rounding error small.
 
         Args:
             scene: the scene.
-            fastest: largest rate of a link, at least 1, in scene units.
+            fastest: largest angular velocity of a link, at least 1, in scene units.
             unloading: ratio of unloading time to loading time, divided by the square root of the
                 factor by which a tangential spring amplifies rounding error.
         """
@@ -185,12 +193,11 @@ class CompliantLaw(ContactLaw):
 def rigid_stiffness(
     mechanism: Mechanism, state: State, touch: ClosestApproach, pair: ContactPair, duration: float
 ) -> float:
-    """Return the contact stiffness at which the wire, if it were rigid and without friction, would
-    stay in contact for ``duration``.
+    """Return the contact stiffness at which a rigid wire without friction is in contact for a time.
 
     k = (pi (1 + e*)/(2 T))^2/K_nn with the duration T, the coefficient of restitution e* and the
-    normal inverse mass K_nn = (lever of the normal about the root)^2/(moment of inertia of the
-    straight wire about the root).
+    normal inverse mass K_nn = l^2/I. The lever l is that of the normal about the root, and I is the
+    moment of inertia of the straight wire about the root.
     """
     size = mechanism.wire_links
     poses = mechanism.poses(state)

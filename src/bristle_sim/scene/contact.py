@@ -1,7 +1,7 @@
-"""Contacts that last: their impulse, work and record; and the forces of the rigid ones.
+"""Sustained contacts with their impulse, work and record, and the forces of rigid contacts.
 
-The solver of the joints keeps rigid contacts closed. A single link has one degree of freedom, so
-one contact at a time fixes its motion, which follows from the geometry and the hub's motion alone.
+The solver of the joints keeps rigid contacts closed. A single link has one degree of freedom, so a
+contact determines its motion, which then follows from the geometry and the hub's motion alone.
 """
 
 from __future__ import annotations
@@ -20,28 +20,29 @@ from bristle_sim.scene.pairs import ClosedPair, Closest
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_SLIP = 1e-9
-"""Least slip velocity whose sense is known, in scene units, however accurate the simulation is."""
+"""Least slip velocity, in scene units, whose sign is not attributed to rounding error."""
 
 LEAST_ACCELERATION = 1e-7
-"""Least slip acceleration whose sense is known, in scene units. A smaller one is rounding error of
-the difference quotient over the time ``MOMENT``."""
+"""Least slip acceleration, in scene units, whose sign is not attributed to rounding error of the
+difference quotient over the time ``MOMENT``."""
 
 MOMENT = 1e-6
-"""Time step, in engine units, after which a contact's place and slip velocity are computed again:
-the place decides between two straight segments, the slip velocity gives its acceleration."""
+"""Time step of a difference quotient, in engine units: the slip acceleration follows from the slip
+velocities now and after this time. Where two straight segments of a link touch at a corner, the
+contact belongs to the segment that is closer after this time."""
 
 
 class Sums(NamedTuple):
-    """Forces of one contact on its link at the end of an interval, and the forces' impulse and work
-    in the interval; engine units.
+    """Forces, impulses and work of one contact on its link in an interval; engine units.
 
     Attributes:
-        normal: normal force.
-        tangential: tangential force; in stick, the force that friction would have to supply.
-        impulse_normal: impulse of the normal force.
-        impulse_tangential: impulse of the tangential force.
-        work_normal: work of the normal force.
-        work_tangential: work of the tangential force.
+        normal: normal force at the end of the interval.
+        tangential: tangential force at the end of the interval. In stick it is the force that
+            prevents slip, even if it exceeds the friction limit.
+        impulse_normal: impulse of the normal force in the interval.
+        impulse_tangential: impulse of the tangential force in the interval.
+        work_normal: work of the normal force in the interval.
+        work_tangential: work of the tangential force in the interval.
         tangential_at_start: tangential force of a contact with a spring in stick, at the beginning
             of the interval; otherwise 0.
     """
@@ -55,7 +56,7 @@ class Sums(NamedTuple):
     tangential_at_start: float = 0.0
 
 
-# count of values of one contact in the flat list that an integrator extrapolates
+# number of values of one contact in the flat list that an integrator extrapolates
 NUMBERS = len(Sums._fields)
 
 
@@ -80,7 +81,7 @@ class Outcome(StrEnum):
 
 @dataclass(slots=True, eq=False)
 class ActiveContact(ClosedPair):
-    """A contact that lasts, with its impulse and work so far.
+    """A sustained contact, with its impulse and work so far.
 
     Objects of this class itself are rigid contacts; ``SpringContact`` is the subclass of contacts
     with springs. In a rigid contact friction opposes ``slip``.
@@ -102,12 +103,12 @@ class ActiveContact(ClosedPair):
     stopped: int = 0
 
     def turn(self, sense: int) -> None:
-        """Let the contact slip in a given sense, 1 or -1, from now on; 0 lets it stick."""
+        """Set the sense of slip, 1 or -1, or 0 for a contact that sticks."""
         self.stopped = (self.slip or 0) if sense == 0 else 0
         self.slip = sense
 
     def add(self, sums: Sums) -> None:
-        """Add the impulse and the work of an interval, and take over the forces at its end."""
+        """Add the impulse and the work of an interval, and store the forces at its end."""
         self.force = sums.normal
         self.tangential = sums.tangential
         self.impulse = (
@@ -119,13 +120,18 @@ class ActiveContact(ClosedPair):
     def expect_release(self, sums: Sums, length: float) -> tuple[float, float, float]:
         """Estimate when the normal force of a rigid contact reaches zero.
 
-        The force is extrapolated by a parabola over time. The parabola matches the forces at both
-        ends of the interval, and the impulse of the interval.
+        The force is extrapolated by a quadratic polynomial of time. The polynomial agrees with the
+        forces at both ends of the interval, and with the impulse of the interval.
+
+        Args:
+            sums: forces, impulses and work of the interval.
+            length: duration of the interval.
 
         Returns:
-            The normal force at the interval's beginning; the coefficient of the parabola's quadratic
-                term, with the time as a fraction of the interval; and the time from the interval's
-                end until the force reaches zero.
+            The normal force at the interval's beginning.
+            The coefficient of the polynomial's quadratic term, with the time as a fraction of the
+                interval.
+            The time from the interval's end until the force reaches zero; infinite if it does not.
         """
         last = first = sums.normal
         bend = 0.0
@@ -141,7 +147,13 @@ class ActiveContact(ClosedPair):
         return first, bend, left
 
     def record(self, closest: Closest, last: State, outcome: str) -> ContactRecord | None:
-        """Return the contact record; None for a contact of zero duration."""
+        """Return the contact record; None for a contact of zero duration.
+
+        Args:
+            closest: function that returns the closest approach of a pair in a state.
+            last: state at which the contact ends.
+            outcome: how it ends.
+        """
         first = self.start
         if first is None or last.time <= first.time:
             return None
@@ -168,11 +180,11 @@ class RigidContacts:
     """The rigid contacts of a smooth motion, whose forces are solved for together with the joints.
 
     The motion ends when the normal force of a contact reaches zero. In steps that are symmetric in
-    time each force is the mean of two steps, in which the errors of odd and even steps cancel.
+    time each force is the mean of two successive steps, in which their opposite errors cancel.
 
     Attributes:
         scene: the scene.
-        closed: the contacts. Each has a sense of slip, which stays the same until the next event;
+        closed: the contacts. The sense of slip of each contact is constant until the next event;
             friction acts against it. The sense is None for a contact without friction, and for the
             contact of a single link that does not slip.
     """
@@ -187,7 +199,10 @@ class RigidContacts:
         self._step = 0.0
 
     def engage(self, state: State) -> None:
-        """Let the contacts act from a state on."""
+        """Keep the contacts closed in all further steps, which start from ``state``.
+
+        Where two straight segments of a link touch at a corner, also select the segment in contact.
+        """
         mechanism = self.scene.mechanism
         for contact in self.closed:
             pair = contact.pair
@@ -198,17 +213,21 @@ class RigidContacts:
         self.scene.keep_closed(self.closed)
 
     def begin(self, step: float, *, symmetric: bool = False) -> None:
-        """Clear the impulses of the last interval; the solver records new ones in each step."""
+        """Discard the recorded impulses; the solver records new impulses in each step.
+
+        Args:
+            step: length of a step.
+            symmetric: whether steps are symmetric in time.
+        """
         self._step = step
         self._paired = symmetric
         self._solver.impulses = []
 
     def totals(self) -> list[float]:
-        """Return the forces, impulses and work of all contacts in one list, in the order of
-        ``Sums``.
+        """Return the values of ``Sums`` of all contacts in one list.
 
-        The normal force is that of the last step. For a contact that would have had to pull in one
-        or more steps, the normal force is that of the last step in which it would have pulled.
+        The normal force is that of the last step. If a contact would have had to pull in one or
+        more steps, the normal force is that of the last of these steps.
         """
         found = list[float]()
         for each in zip(*self._solver.impulses, strict=True):
@@ -234,8 +253,9 @@ class RigidContacts:
         return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
 
     def breaks_away(self, totals: Sequence[float]) -> int | None:
-        """Return the index of the first sticking contact whose tangential force exceeds the
-        friction limit, or None.
+        """Return the index of the first sticking contact that friction cannot keep from slipping.
+
+        Its tangential force exceeds the friction limit. Return None if there is no such contact.
         """
         for index, contact in enumerate(self.closed):
             if contact.slip == 0 and self.spare_friction(totals, index) < 0.0:
@@ -243,11 +263,11 @@ class RigidContacts:
         return None
 
     def compliance_in_slip(self, state: State, index: int) -> float:
-        """Return the relative compliance of a contact in slip.
+        """Return the relative compliance of a contact in slip, dimensionless.
 
-        It is the change of the normal velocity by a unit normal impulse with its friction, divided
-        by the same change without joints and friction. If it is not positive, friction or geometry
-        locks the link: no force keeps the contact closed.
+        It is the change of the normal velocity that a unit normal impulse and its friction cause,
+        divided by the change that the normal impulse would cause without joints and friction. If it
+        is not positive, friction or geometry locks the link: no force keeps the contact closed.
         """
         contact = self.closed[index]
         pair = contact.pair
@@ -269,11 +289,12 @@ class RigidContacts:
         return (normal - pair.friction * sense * coupling) / free
 
     def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
-        """Set the sense of slip that friction opposes in a new contact.
+        """Set the sense of slip of a new contact, which friction opposes.
 
-        If the slip velocity is smaller than its error, its sense is unknown. A contact of several
-        links then sticks until friction no longer suffices. A single link slips in the direction of
-        its contact point's acceleration; if the acceleration is zero too, the link is at rest.
+        It is the sign of the slip velocity, unless that velocity is smaller than its error. In that
+        case the contact of several links sticks until friction no longer suffices. A single link
+        slips in the direction of its contact point's acceleration; if the acceleration is zero too,
+        the link is at rest.
 
         Args:
             state: the state at the touch.
@@ -305,7 +326,7 @@ class RigidContacts:
 
 
 def _a_moment_later(state: State) -> State:
-    """Return the state after the time ``MOMENT`` at constant rates."""
+    """Return the state after the time ``MOMENT`` at constant angular velocities."""
     moved = zip(state.angles, state.rates, strict=True)
     angles = tuple([angle + MOMENT * rate for angle, rate in moved])
     return State(state.time + MOMENT, angles, state.rates)

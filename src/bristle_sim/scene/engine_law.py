@@ -13,20 +13,22 @@ from bristle_sim.scene.mechanism import State, xy
 from bristle_sim.scene.pairs import ContactPair, WorkpartPair
 from bristle_sim.trajectory import ContactRecord
 
-# length of the step in which the engine resolves an impact, scene time units; so short that the
-# effect of forces and motion in it is less than rounding error
+# Length of the step in which the engine resolves an impact, in scene time units. It is so short
+# that forces and motion in the step have less effect than rounding error.
 ENGINE_STEP = 1e-12
-# half width and half depth of the workpart's shape, in link lengths: beyond any mechanism's reach
+# Half the width and half the depth of the workpart's shape, in link lengths. No mechanism reaches
+# the other edges of this shape.
 HALF_PLANE = 1e3
-ENGINE_ITERATIONS = 10  # iterations of the engine's solver in this step, the engine's default
+# Number of iterations of the engine's solver in the step of an impact; the engine's default.
+ENGINE_ITERATIONS = 10
 
 
 @dataclass(frozen=True)
 class EngineLaw(ContactLaw):
     """The impact law of the physics engine, for comparison.
 
-    The engine iterates with Newton's coefficient of restitution, which is its ``elasticity``, and
-    limits the tangential impulse to the coefficient of friction times the accumulated normal
+    The engine solves iteratively for the impulses. Its ``elasticity`` is Newton's coefficient of
+    restitution. The tangential impulse is at most the coefficient of friction times the normal
     impulse. The law has no phases and only one coefficient of friction. It may increase the energy
     of bodies that are joined in a chain.
     """
@@ -34,12 +36,11 @@ class EngineLaw(ContactLaw):
     name = "engine"
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Let the engine resolve an impact with the workpart, in a step so short that nothing else
-        happens in it.
+        """Let the engine resolve an impact with the workpart, in one very short step.
 
-        The workpart's shape is larger than the workpart by ``SHAPE_MARGIN``; the link is not
-        enlarged, so the lever of friction is exact. The engine uses the pair's coefficients of
-        restitution and friction as elasticity and friction.
+        The workpart's shape in the engine extends beyond its surface by ``SHAPE_MARGIN``, so that
+        the engine detects the touch. The link's shape is not enlarged, so the lever of friction is
+        exact. The engine's elasticity and friction are the pair's coefficients.
 
         Returns:
             The state after the impact and the contact record, in engine units.

@@ -3,12 +3,12 @@
 Every event has a function of time, its *value*. An event *triggers* in an interval (0, h] of a
 smooth motion if its value begins with the sign opposite to ``direction`` and has the sign
 ``direction`` at a later instant of the interval. The event happens at the first zero of its value
-before that later instant. A ``direction`` of 0 stands for both signs.
+before that later instant. With ``direction`` 0, both changes of sign trigger the event.
 
-Where a motion begins, a value no larger than its rounding error has no sign of its own. Kinds in
-:data:`BEGINS_POSITIVE` then begin with a positive sign. Any other kind takes the first sign that
-its value has at the end of an interval. :mod:`bristle_sim.scene.touches` searches for gaps that
-close.
+At the beginning of a motion, a value that is no larger than its rounding error has no sign. An
+event of a kind in :data:`BEGINS_POSITIVE` then begins with a positive sign. Any other event begins
+with the first sign that its value has at the end of an interval. Touches are no such events:
+:mod:`bristle_sim.scene.touches` searches for gaps that close.
 """
 
 from __future__ import annotations
@@ -27,22 +27,24 @@ from bristle_sim.scene.pairs import BarPair, ClosestApproach
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 
-# least compliance of a slipping contact, over the compliance of a free link: with less, the link
-# jams, because the force that keeps the contact closed grows without bound
+# Least compliance of a slipping contact, as a fraction of the compliance of a free link. Below it
+# the link jams, because the force that keeps the contact closed grows without bound.
 LEAST_COMPLIANCE_IN_SLIP = 1e-3
-LEAST_OF_SINGLE_LINK = 1e-6  # the same for a single link, whose motion follows from the geometry
+# The same fraction for a single link. It is smaller, because the geometry alone determines the
+# link's motion.
+LEAST_OF_SINGLE_LINK = 1e-6
 PLACE_ROUNDING = 4e-16  # rounding error of a tip's position, in engine units
 LOCATED_VELOCITY = 0.1
-"""Tolerance to which the events of a contact spring are located, over the permitted velocity error
-of an interval."""
+"""Tolerance of a contact spring's located events, as a fraction of the permitted velocity error of
+an interval."""
 
 OVERDUE_DURATIONS = 10.0
-"""Duration of a contact in the rigid-body limit, over its expected duration, above which the
-contact counts as pressed on instead of as an impact."""
+"""Longest duration of a contact in the rigid-body limit, as a multiple of its expected duration. A
+longer contact is pressed on by other forces and is no impact."""
 
 ROUNDED_TOLERANCES = 10.0
-"""Largest value, over the tolerance, that counts as a located zero where rounding error keeps all
-guesses outside the tolerance."""
+"""Largest magnitude of an event's value that counts as a located zero, as a multiple of the
+tolerance, if rounding error keeps all iterates outside the tolerance."""
 
 
 class Kind(StrEnum):
@@ -63,12 +65,14 @@ class Kind(StrEnum):
     UNLOADED = auto()  # contact with a spring: its force falls to zero
     # contact with a spring that unloads: the penetration exceeds its earlier maximum
     PRESSED_ON = auto()
-    # contact with a spring that slips at rest in its normal direction: friction no longer holds it
+    # contact with a spring that slips at constant penetration: friction no longer holds it there
     REST_ENDS = auto()
-    FOOT_STOPS = auto()  # contact with a spring that slips: its foot stops
+    # contact with a spring that slips: the attachment of its tangential spring stops sliding
+    FOOT_STOPS = auto()
     # contact with a spring that sticks: its tangential force reaches the friction cone
     CONE_REACHED = auto()
-    # contact with a spring, of a link that jams: its point moves as balanced forces let it
+    # contact with a spring, of a link that jams: the tangential acceleration that its forces give
+    # the contact point is stationary
     BALANCED = auto()
     # contact with a spring in the rigid-body limit: it lasts too long to be an impact
     OVERDUE = auto()
@@ -93,32 +97,32 @@ BEGINS_POSITIVE = SPRING_KINDS - {Kind.OVERDUE, Kind.BALANCED} | {
     Kind.LOCKED,
     Kind.RETRACTION_LIMIT,
 }
-"""Kinds whose value is positive at the beginning of a motion, or rises from zero there: the
-decision at the last event ensures it."""
+"""Kinds whose value is positive at the beginning of a motion, or rises from zero there. The
+decision after the previous event chooses the new motion accordingly."""
 
 TURNS = SPRING_KINDS - {Kind.OVERDUE} | {Kind.DENT_LEFT}
 """Kinds whose value may change sign twice within an interval."""
 
 DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY})
-"""Kinds whose value contains the difference of two angular velocities over a step, and thus its
-rounding error."""
+"""Kinds whose value is a force. A force is computed from the change of an angular velocity in one
+step, so it has the rounding error of this difference."""
 
 
 @dataclass(slots=True, eq=False)
 class Event:
-    """An event that may happen: a function of an interval's result, and the change of its sign that
-    marks the event.
+    """An event that may happen: a function of the motion whose change of sign marks the event.
 
     Attributes:
         kind: kind of the event.
         subject: contact, pair or wire of the event, as its kind states.
-        value: the function.
-        direction: -1 for a fall through zero, +1 for a rise, 0 for both.
-        tolerance: tolerance of the function at the located zero; None for the run's own tolerance.
-            If it is given, a value has a sign unless it is rounding error.
-        noise: magnitude up to which a value has no sign.
-        sign: the last sign; None while it is unknown.
-        known: the last result at which the function was computed, and its value there.
+        value: the function; its argument is the result of an interval, at the interval's end.
+        direction: -1 if the value falls through zero at the event, +1 if it rises, 0 for both.
+        tolerance: largest magnitude of the value at the located event; None for the run's own
+            tolerance.
+        noise: magnitude up to which the value has no sign: its rounding error if a tolerance is
+            given, otherwise the possible error of the run.
+        sign: the last sign of the value; None while it is unknown.
+        known: the last result for which the value was computed, and the value.
     """
 
     kind: Kind
@@ -131,16 +135,19 @@ class Event:
     known: tuple[IntervalResult | None, float] = (None, math.nan)
 
     def at(self, result: IntervalResult) -> float:
-        """Return the value at a result; a second call for the same result costs nothing."""
+        """Return the event's value for a result, computed once for successive calls."""
         if self.known[0] is not result:
             self.known = (result, self.value(result))
         return self.known[1]
 
     def begin(self, start: IntervalResult, noise: float) -> None:
-        """Set the sign at the start of a smooth motion, so that a change in the first interval
-        counts as an event.
+        """Set the sign of the value at the start of a smooth motion.
 
-        ``noise`` is the magnitude up to which rates and accelerations have no sign.
+        A change of sign in the first interval then counts as an event.
+
+        Args:
+            start: result at the start of the motion.
+            noise: magnitude up to which angular velocities and accelerations have no sign.
         """
         if self.tolerance is None:
             self.noise = noise
@@ -151,10 +158,10 @@ class Event:
             self.follow(start)
 
     def follow(self, end: IntervalResult) -> None:
-        """Update the sign with the value at an interval's end.
+        """Update the sign from the value at an interval's end.
 
-        A value that is too small to have a sign leaves the last one. A change of sign that is an
-        event is left to the next interval, which then begins with the event.
+        If the value is too small to have a sign, the last sign remains. If the change of sign would
+        be an event, the last sign remains too, so that the event triggers in the next interval.
         """
         value = self.at(end)
         sign = math.copysign(1.0, value) if abs(value) > self.noise else self.sign
@@ -184,7 +191,7 @@ def contact_events(
     Args:
         system: the run.
         contacts: the active contacts, the rigid ones first.
-        rigid: solver of the rigid contacts; None without rigid contacts.
+        rigid: forces of the rigid contacts; None without rigid contacts.
     """
     for index, contact in enumerate(contacts):
         if isinstance(contact, SpringContact):
@@ -199,8 +206,7 @@ def contact_events(
 def _rigid_events(
     system: System, contact: ActiveContact, rigid: RigidContacts, index: int
 ) -> Iterator[Event]:
-    """Yield the events of a rigid contact: it locks, is released, slips, sticks, or passes a
-    corner.
+    """Yield the events of a rigid contact: it locks, is released, begins to slip or stops slipping.
 
     A contact locks when its compliance in slip becomes too small. With friction the link then jams;
     without friction the link meets the obstacle end-on.
@@ -232,11 +238,12 @@ def _rigid_events(
 def _bar_events(
     system: System, contact: ActiveContact, pair: BarPair, piece: int
 ) -> Iterator[Event]:
-    """Yield the events of a bar contact that slides over a knee, a joint or the tip, or whose bent
-    link touches the bar with another segment.
+    """Yield the events at which a contact with the bar leaves its straight segment of the wire.
 
-    ``piece``: index of the touching straight segment of the link. The contact passes to another
-    segment by an impact.
+    The contact point slides over a knee, a joint or the tip, or another segment of a bent link
+    touches the bar. In the latter case the contact passes to that segment by an impact.
+
+    ``piece`` is the index of the link's straight segment in contact.
     """
     mechanism = system.mechanism
     lower, upper = system.neighbour(pair, -1), system.neighbour(pair, 1)
@@ -263,11 +270,11 @@ def _bar_events(
 
 
 def _spring_events(system: System, spring: SpringContact, index: int) -> Iterator[Event]:
-    """Yield the events of a contact spring: changes between loading, unloading and rest, and
-    changes between slip and stick.
+    """Yield the events that change the phase of a contact with a spring.
 
-    The value of each event is a velocity, or a penetration or force converted to a velocity by the
-    contact's duration.
+    The spring changes between loading, unloading and rest, the contact point between slip and
+    stick. The value of each event is a velocity. A penetration d is converted to the velocity d/T,
+    a force F to F/(k T), with the contact's duration T and its normal stiffness k.
     """
     pair = spring.pair
     duration = spring.duration
@@ -284,14 +291,14 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         return spring.surface - touch(at.state).gap
 
     def rest_margin(which: int, at: IntervalResult) -> float:
-        """Return a margin of friction of a contact that slips at rest, scaled to a velocity."""
+        """Return one of ``SpringContact.rest_margins``, selected by index, as a velocity."""
         if not at.totals:
             return math.nan
         margins = spring.rest_margins(depth(at), sums_of(at.totals, index).tangential)
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
-        """Return the friction limit minus the tangential force, scaled to a velocity."""
+        """Return the friction limit minus the magnitude of the tangential force, as a velocity."""
         if spring.elastic:
             force = spring.law.tangential_force(system.along(pair, at.state), spring.foot)
         elif at.totals:
@@ -301,7 +308,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         return spring.spare_friction(depth(at), force) / (spring.law.stiffness * duration)
 
     def left(at: IntervalResult) -> float:
-        """Return the time until the contact is too long for an impact, over its duration."""
+        """Return the time until the contact is overdue, divided by its expected duration."""
         return OVERDUE_DURATIONS - (at.state.time - spring.start.time) / duration
 
     falls = partial(Event, subject=spring, tolerance=tolerance)

@@ -1,12 +1,13 @@
 """The integrator of intervals without events: engine steps, extrapolated to the step zero.
 
-The engine moves positions by the old velocities and then changes the velocities, so its error over
-an interval without events is smooth in the step h and of first order. The interval is repeated with
-n = 4, 5, 6, 7 ... steps, and the results are extrapolated to h = 0 (Richardson; Bulirsch and Stoer
-1966); each repetition removes one power of h from the error. The difference between the last two
-extrapolated results estimates the error. The length of the next interval and the number of
-repetitions follow from this estimate as in Hairer, Norsett and Wanner, *Solving Ordinary
-Differential Equations I*, sec. II.9.
+In a step the engine moves positions by the old velocities and then changes the velocities. Its
+error after an interval without events is therefore a smooth function of the step h, of first order.
+The interval is integrated repeatedly, with n = 4, 5, 6, 7 ... steps, and the results are
+extrapolated to h = 0 (Richardson; Bulirsch and Stoer 1966). Each repetition removes one power of h
+from the error. The difference of two extrapolated results, with and without the coarsest
+repetition, estimates the error. The length of the next interval and the number of repetitions
+follow from this estimate as in Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations
+I*, sec. II.9.
 """
 
 from __future__ import annotations
@@ -22,14 +23,14 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 
 PLACING_COST = 6.0
-"""Cost of placing and reading the bodies once, in engine steps. The choice of the interval's length
-weighs it against the cost of the steps."""
+"""Cost of setting and reading all positions and velocities once, as a number of engine steps. The
+choice of the interval's length takes account of it."""
 
-# rounding error of an angle of a few radians, rad; the weights of extrapolation amplify it
+# Rounding error of an angle of a few radians, rad. The weights of extrapolation amplify it.
 ANGLE_ROUNDING = 4e-16
 
-# least ratio of the errors of two successive repetitions that is believed under damping, where a
-# single estimate may be too small
+# Least ratio of an error estimate to the estimate of the previous repetition, with damping. A
+# smaller estimate, which may be too small by chance, is raised to this ratio.
 LEAST_GAIN = 0.1
 
 
@@ -43,14 +44,21 @@ class Load(Protocol):
     symmetric: bool
 
     def begin(self, step: float, *, symmetric: bool = False) -> Callable[[], None] | None:
-        """Set impulses and work to zero; return the function to call before each step, or None if
-        no call is needed.
+        """Set impulses and work to zero, and return the function to call before each step.
 
-        ``step`` is the length of a step; ``symmetric`` states whether steps are symmetric in time.
+        Return None if no call is needed.
+
+        Args:
+            step: length of a step.
+            symmetric: whether steps are symmetric in time.
         """
 
     def totals(self) -> list[float]:
-        """Return the values of :class:`bristle_sim.scene.contact.Sums` of all contacts in one list, after the last step."""
+        """Return forces, impulses and work of all contacts in one list, after the last step.
+
+        The list holds the values of :class:`bristle_sim.scene.contact.Sums` of one contact after
+        the other.
+        """
 
     def fails(self, totals: Sequence[float]) -> bool:
         """Return whether a contact would have to pull to stay closed."""
@@ -64,12 +72,13 @@ class IntervalResult(NamedTuple):
         accelerations: the links' angular accelerations at the interval's end.
         totals: the values of :class:`bristle_sim.scene.contact.Sums` of all contacts in one list;
             empty where the contact forces are unknown.
-        error: estimated error, the larger one of the error of angles (rad) and the error of rates,
-            rad per time unit; 0 without an estimate.
-        failed: whether a contact would have had to pull; the rest of the result is then
-            meaningless.
-        errors: estimated error after each repetition of the interval, by the repetition's index.
-        middle: the state at half the interval; None if the integrator does not compute it.
+        error: largest estimated error of an angle (rad) or angular velocity (rad per engine unit of
+            time); 0 without an estimate.
+        failed: whether a contact would have had to pull. The result is then meaningless except for
+            ``totals``.
+        errors: estimated error after each repetition of the interval; the key is the repetition's
+            index.
+        middle: the state in the middle of the interval; None if the integrator does not compute it.
     """
 
     state: State
@@ -81,7 +90,7 @@ class IntervalResult(NamedTuple):
     middle: State | None = None
 
     def moved(self, time: float) -> IntervalResult:
-        """Return the result with its state advanced by a short time at constant acceleration."""
+        """Return the result with its state a short time later, at constant accelerations."""
         when, angles, rates = self.state
         angles = tuple(
             [
@@ -94,22 +103,23 @@ class IntervalResult(NamedTuple):
 
 
 class Repetitions:
-    """Numbers of steps with which an interval is repeated, and the weights that extrapolate the
-    results.
+    """A sequence of step numbers for extrapolation, and the weights of the results.
 
-    ``costs``, ``weights``, ``first_order``, ``differences`` and ``noise`` have one entry for each
-    repetition; the entry holds for the results of this and all earlier repetitions.
+    An interval is integrated once for each step number; each integration is a repetition. The
+    attributes from ``costs`` on have one entry for each repetition. The entry is that of an
+    extrapolation from this and all earlier repetitions.
 
     Attributes:
         counts: number of steps of each repetition.
         power: power p of the step h; the error of a result is a polynomial in h^p.
-        least_rows: number of repetitions at which the error is first estimated.
-        costs: total cost, in engine steps.
-        weights: weights for results whose error is a polynomial in h^p.
+        least_rows: number of repetitions after which the error is first estimated.
+        costs: total cost, as a number of engine steps.
         first_order: weights for results whose error is a polynomial in h.
-        differences: weights of the error estimate, which is the extrapolated result minus the
-            result extrapolated without the first repetition.
-        noise: rounding error of an extrapolated angle, rad; it grows with every repetition.
+        weights: weights for results whose error is a polynomial in h^p.
+        differences: weights of the error estimate: the extrapolated result minus the result
+            extrapolated without the coarsest repetition.
+        noise: rounding error of an extrapolated angle, rad; it grows with the number of
+            repetitions.
     """
 
     def __init__(self, *counts: int, power: int = 1) -> None:
@@ -128,10 +138,10 @@ class Repetitions:
 
 
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
-    """Return the weights that extrapolate the results of repetitions to the step zero.
+    """Return the weights by which results for several steps are extrapolated to the step zero.
 
-    They are the values at h = 0 of Lagrange's polynomials in h^power, with the steps h = 1/n for
-    the numbers of steps n in ``counts``.
+    They are the values at h = 0 of the Lagrange polynomials in h^power for the nodes h = 1/n, where
+    n are the numbers of steps in ``counts``.
     """
     return tuple(
         math.prod(n**power / (n**power - other**power) for other in counts if other != n)
@@ -151,26 +161,28 @@ EVEN = Repetitions(
 )  # for time-symmetric steps; the error of odd numbers of steps is a different polynomial
 LEAST_NOISE = HALVED.noise[3]  # least error of an interval, limited by rounding
 CUT_SHORT = 0.25
-"""Least length, over the proposed length, of an interval that may shorten the next proposal. An
-interval cut shorter, by an event for instance, leaves the proposal unchanged. The next interval is
-at most four times as long, which leads back from this fraction to the proposed length."""
+"""Least ratio of an interval's length to the proposed length at which the interval may shorten the
+next proposal. A shorter interval, which an event may have ended, leaves the proposal unchanged.
+From this ratio on, the usual rule leads back to the proposed length, because the next interval may
+be four times as long."""
 
 
 class Extrapolation:
     """Integrates intervals without events by engine steps, extrapolated to the step zero.
 
     Args:
-        tolerance: largest absolute error of an interval, in scene units.
-        repetitions: numbers of steps of the repetitions, except for time-symmetric steps and for
-            plain steps without contacts, which have their own.
-        longest: longest interval that is proposed. The first interval may be longer, and so may an
-            interval that is extended by a tenth to avoid a short remainder.
-        damped_step: longest step whose error estimate is trusted under damping.
+        tolerance: largest permitted error of an interval, in scene units.
+        repetitions: sequence of step numbers for motion with contacts. Time-symmetric steps, and
+            motion without contacts, have sequences of their own.
+        longest: longest interval that is proposed. The first interval may be longer. Any interval
+            may be a tenth longer, to avoid a short remainder.
+        damped_step: longest step whose error estimate is reliable with damping.
 
     Attributes:
-        noise: largest absolute error of an interval, at least its rounding error.
+        noise: largest permitted error of an interval: the tolerance, or the rounding error if that
+            is larger.
         length: length proposed for the next interval.
-        table: numbers of steps of the last interval.
+        table: sequence of step numbers of the last interval.
     """
 
     def __init__(
@@ -189,18 +201,24 @@ class Extrapolation:
         self.noise = max(tolerance, repetitions.noise[3])
 
     def propose(self, remaining: float) -> float:
-        """Return the length of the next interval, shortened so that it divides the remaining time
-        evenly.
+        """Return the length of the next interval, adjusted so that it divides the remaining time.
+
+        ``remaining`` is the time to the end of the motion.
         """
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(
         self, scene: Scene, state: State, duration: float, load: Load | None = None
     ) -> IntervalResult:
-        """Integrate over an interval; repeat it with finer steps until the error estimate is within
-        the tolerance.
+        """Integrate over an interval, repeatedly with smaller steps until its error is permitted.
 
-        A repetition is left out if its rounding error would exceed the tolerance.
+        The repetitions end before their rounding error would exceed the permitted error.
+
+        Args:
+            scene: the scene.
+            state: state at the interval's start.
+            duration: length of the interval.
+            load: forces of all contacts; None without contacts.
         """
         symmetric = scene.mechanism.jointed and (load is None or load.symmetric)
         halved = load is None and not symmetric
@@ -260,12 +278,15 @@ class Extrapolation:
         )
 
     def accepts(self, result: IntervalResult, duration: float) -> bool:
-        """Return whether a result's estimated error is within the tolerance, and set the length of
-        the next interval from the error.
+        """Return whether a result's estimated error is permitted, and propose the next length.
 
-        The length is chosen for the least cost per simulated time. The cost of each number of
-        repetitions follows from its error estimate in ``result``. An accepted interval that was
-        much shorter than proposed does not shorten the next proposal.
+        Each error estimate in ``result`` gives the interval's length, and thus the cost per
+        simulated time, for one number of repetitions. The length with the least cost is proposed.
+        An accepted interval that was much shorter than proposed does not shorten the next proposal.
+
+        Args:
+            result: result of an interval.
+            duration: length of this interval.
         """
         table = self.table
         limit = self.noise

@@ -1,7 +1,7 @@
-"""Impact laws, and the response of a contact point to an impulse, on which they depend.
+"""Impact laws, and the response of a contact point to an impulse, which they need.
 
-An instantaneous law takes a scene, a state and a pair of bodies, and returns the state after the
-impact and the contact record. A law that simulates the contact over its duration
+An instantaneous law takes a scene, a state and a pair of link and obstacle. It returns the state
+after the impact and the contact record. A law that simulates the contact over its duration
 (:mod:`bristle_sim.scene.compliant`) returns a spring instead, which acts in the simulation's loop.
 
 To add a law, write a subclass of :class:`ContactLaw`, let ``contact_law`` in
@@ -26,24 +26,27 @@ from bristle_sim.theory.impact_phases import Impact, resolve_phases
 from bristle_sim.trajectory import ContactRecord
 
 ROUNDING = 64.0 * math.ulp(1.0)
-"""Ratio of a lever to the contact point's distance from the joint, and of the motion in stick to
-the motion by a normal impulse, below which it is rounding error: the point cannot move so."""
+"""Ratio below which a motion of the contact point counts as rounding error, so that the point
+cannot move in this way. For a lever it is the ratio to the contact point's distance from the joint.
+For the motion in stick it is the ratio to the motion that a normal impulse causes."""
 
 CANCELS = 100.0
-"""Ratio of the two terms of the change of v_t to v_t itself, above which the rates are computed
-from the motion of the contact point: two digits have cancelled there, as where a heavy link leaves
-a sticking contact point hardly any compliance."""
+"""Ratio of the two terms of the change of the slip velocity to the slip velocity itself, above
+which their sum loses two digits by cancellation. It occurs where a heavy link leaves a sticking
+contact point hardly any compliance. The angular velocities are then computed from the motion in
+stick."""
 
 
 class ContactPoint(NamedTuple):
-    """The response of a contact point, and of the links' rates, to an impulse at this point.
+    """The velocity changes of a contact point and of all links by an impulse at this point.
 
     Attributes:
         touch: closest approach of link and obstacle.
-        inverse_mass: contact-space inverse mass matrix K by rows, order (normal, tangential).
-        response: changes of the links' rates per unit normal impulse, and per unit tangential
-            impulse.
-        in_stick: changes of the links' rates per unit normal impulse while the point does not slip.
+        inverse_mass: contact-space inverse mass matrix K, row by row, order (normal, tangential).
+        response: changes of the links' angular velocities per unit normal impulse, then those per
+            unit tangential impulse.
+        in_stick: changes of the links' angular velocities per unit normal impulse while the point
+            does not slip.
         stick_compliance: change of the normal velocity per unit normal impulse while the point does
             not slip; 0 if the point cannot move.
     """
@@ -56,12 +59,12 @@ class ContactPoint(NamedTuple):
 
 
 def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> ContactPoint:
-    """Return the closest approach of a pair in a state, and its response to an impulse there.
+    """Return the contact point of a pair in a state, and its response to an impulse.
 
-    With the mass matrix M = L L^T and the Jacobian J of the contact velocities, K = J M^-1 J^T. The
-    motion in stick is the part of the normal's column of L^-1 J^T that is orthogonal to the
-    tangent's column. It is found by orthogonal factorization with the largest rows first, which
-    keeps the digits of the small rows of heavy links (Cox and Higham 1998).
+    With the mass matrix M = L L^T and the Jacobian J of the contact point's velocity (rows: normal,
+    tangent), K = J M^-1 J^T. The motion in stick is the component of the first column of L^-1 J^T
+    that is orthogonal to the second column. It is found by a QR factorization with the largest rows
+    first, which keeps the digits of the small rows of heavy links (Cox and Higham 1998).
     """
     touch = pair.closest(mechanism.poses(state), state.rates)
     if mechanism.single_link:
@@ -101,9 +104,9 @@ class ContactLaw(ABC):
 
     Attributes:
         name: the law's name in contact records.
-        instantaneous: whether its impacts take no time.
-        finite_duration: whether the user has given the duration of its contacts, so that the bodies
-            move noticeably in it.
+        instantaneous: whether a contact takes no time.
+        finite_duration: whether the user has given the duration of a contact, so that the bodies
+            move noticeably during the contact.
     """
 
     name: ClassVar[str]
@@ -112,7 +115,12 @@ class ContactLaw(ABC):
 
     @abstractmethod
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Apply an instantaneous impact to the scene.
+        """Return the state after an instantaneous impact.
+
+        Args:
+            scene: the scene.
+            state: the state before the impact.
+            pair: the link and the obstacle that touch.
 
         Returns:
             The state after the impact and the contact record, in engine units.
@@ -124,7 +132,8 @@ class EnergeticLaw(ContactLaw):
     """The instantaneous law of Stronge's energetic restitution with Coulomb friction.
 
     Attributes:
-        accuracy: relative accuracy of the velocities before the impact.
+        accuracy: relative error of the velocities before the impact. ``ending_together`` corrects
+            the slip velocity by at most this error.
         tangential_compliance: tangential compliance eta^2 of the contact, dimensionless.
     """
 
@@ -133,7 +142,7 @@ class EnergeticLaw(ContactLaw):
     name = "energetic"
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Apply the impact to the rates of all links.
+        """Return the state after an impact, in which the angular velocities of all links change.
 
         Returns:
             The state after the impact and the contact record, in engine units.
@@ -179,7 +188,10 @@ class EnergeticLaw(ContactLaw):
 def impact_at(
     point: ContactPoint, velocity: Vector, pair: ContactPair, tangential_compliance: float = 0.0
 ) -> Impact:
-    """Return the energetic impact of a contact point at a velocity."""
+    """Return the impact of a contact point by Stronge's energetic law.
+
+    ``velocity`` is the (normal, tangential) velocity before the impact.
+    """
     coefficients = (pair.friction, pair.restitution, pair.restitution_friction)
     stick = point.stick_compliance
     if tangential_compliance == 0.0:
@@ -191,15 +203,14 @@ def impact_at(
 
 
 def ending_together(point: ContactPoint, accuracy: float) -> Vector:
-    """Return the velocity of a contact point before an impact.
+    """Return the (normal, tangential) velocity of a contact point before an impact.
 
-    If slip and approach end together within the accuracy, the slip velocity is corrected so that
-    they do so exactly.
-
-    A contact point that has one degree of freedom moves such that v_t/v_n = K_nt/K_nn, with its
-    slip velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K. Its slip
-    and its approach end at the same impulse. If an error of v_t let the slip end earlier, the point
-    would stick while it still approaches.
+    The tangential velocity is corrected if slip and approach should end together. A contact point
+    with one degree of freedom can move in one direction only: v_t/v_n = K_nt/K_nn, with its slip
+    velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K. Its slip and
+    its approach therefore end at the same impulse. With an error of v_t the slip could end earlier,
+    and the point would stick while it still approaches. An error of v_t up to ``accuracy``,
+    relative to the speed, is therefore removed.
     """
     normal, coupling = point.inverse_mass[0]
     approach, slip = point.touch.velocity

@@ -1,7 +1,8 @@
 """An interval of smooth motion, and the instant within it at which an event's value is zero.
 
-The instant is first estimated on the polynomial through the interval's states. The engine then
-repeats the interval over a shorter time, until the interval ends at the zero.
+The instant is first estimated on the polynomial through the interval's states. The integrator then
+repeats the interval up to the estimated instant, and improves the estimate, until the interval ends
+at the zero.
 """
 
 from __future__ import annotations
@@ -15,34 +16,34 @@ from bristle_sim.scene.mechanism import Curve, State
 from bristle_sim.scene.system import LEAST_VALUE, System
 
 LOCATED_VALUE = 1e-3
-"""Tolerance of an event's value at its located zero, over the run's accuracy times the larger of
-the values at the interval's two ends."""
+"""Tolerance of an event's value at its located zero, divided by the run's accuracy and by the
+larger of the values at the interval's two ends."""
 
-# rounding error of the difference of two angular velocities, engine units; divided by the
-# interval's length it is the rounding error of an acceleration or a force
+# Rounding error of the difference of two angular velocities, engine units. Divided by the
+# interval's length it is the rounding error of an acceleration or a force.
 RATE_ROUNDING = 1e-13
 
 EXTREME_ERROR = 0.1
-"""Error of an extreme that is estimated from five values, over the function's range within the
-interval. The cubic polynomial between the states of an interval of 1.4 radians of the fastest
-motion deviates by 1.4^4/384 = 1 % of the motion's amplitude."""
+"""Largest error of an extreme that is estimated from five values, as a fraction of the function's
+range in the interval. The cubic polynomial through the states at the ends of an interval of 1.4
+radians of the fastest motion deviates by 1.4^4/384 = 1 % of the motion's amplitude."""
 
 LONGEST_OF_A_FORCE = 0.025
 """Longest interval, in time scales of the fastest motion, in which a zero of a force is located.
 Extrapolation from the steps h/4, h/5, h/6 and h/7 leaves an error of h^4/840 times the force's
-fourth derivative, and no error estimate shows it."""
+fourth derivative, which no error estimate includes."""
 
 BEFORE_ZERO = 0.95
-"""Fraction of the time to a force's zero after which a shorter interval begins. The time is
-estimated linearly in a longer interval."""
+"""Fraction of the estimated time to a force's zero at which a shorter interval begins, in which the
+zero is located. The estimate is linear in a longer interval."""
 
-# least position of an extreme that counts, as a fraction of the interval: before it the function
-# hardly changes
+# Least time of an extreme, as a fraction of the interval. The function hardly changes before it, so
+# an earlier extreme is ignored.
 EARLIEST_EXTREME = 0.01
 
 
-# largest time after an interval's start, over (1 + time at its end), at which an event counts as at
-# the start; rounding error of the time
+# Rounding error of the time, divided by (1 + time at the interval's end). An event within this time
+# after an interval's start counts as at the start.
 ONE_INSTANT = 1e-15
 
 
@@ -52,10 +53,11 @@ class Interval:
     Attributes:
         first: result at the start.
         end: result at the end.
-        integrate_to: function that integrates from the start over a shorter time.
+        integrate_to: function that returns the result at a time after the start.
         start: state at the start.
         length: duration of the interval.
-        instant: tolerance of time; a time no longer than this after the start counts as the start.
+        instant: rounding error of the time; an instant within it after the start counts as the
+            start.
     """
 
     __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")
@@ -89,8 +91,9 @@ class Interval:
         return self._curve.at(time)
 
     def up_to(self, end: IntervalResult) -> Interval:
-        """Return the interval shortened to an earlier end; an end closer than ``instant`` to the
-        start becomes the start.
+        """Return the interval shortened to an earlier end.
+
+        If the end is no later than ``instant`` after the start, the interval has zero length.
         """
         if end is self.end:
             return self
@@ -101,8 +104,9 @@ class Interval:
 def first_change(
     system: System, events: Sequence[Event], interval: Interval
 ) -> tuple[Interval, Event | None]:
-    """Return the interval shortened to the first event that triggers, and this event; without an
-    event, the whole interval and None.
+    """Return the interval shortened to the first event in it, and this event.
+
+    Without an event return the whole interval and None.
     """
     first = None
     longest = LONGEST_OF_A_FORCE * system.plan.time_scale
@@ -127,7 +131,7 @@ def first_change(
 
 
 def _change(event: Event, interval: Interval) -> tuple[float, float] | None:
-    """Return the values at both ends of an interval if the event triggers in it; otherwise None."""
+    """Return an event's values at both ends of an interval; None if it does not trigger in it."""
     sign = event.sign
     right = event.at(interval.end)
     noise = event.noise
@@ -179,11 +183,11 @@ def _zero(
 
 
 def _to_the_extreme(event: Event, interval: Interval) -> Interval:
-    """Return the interval shortened to the extreme of an event's value, if the value changes sign
-    twice within the interval.
+    """Return the interval shortened to the extreme of a value that changes sign twice within it.
 
-    The extreme is estimated by a parabola through the extreme one of five values and its two
-    neighbours. Without a double change of sign the interval is returned unchanged.
+    The shortened interval then contains the first change of sign alone. The extreme is estimated by
+    a parabola through the least (or greatest) of five values and its two neighbours. If the value
+    does not change sign twice, the interval is returned unchanged.
     """
     sense = -float(event.direction)
     length = interval.length
@@ -204,18 +208,21 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
 
 
 MOST_GUESSES = 4
-"""Largest number of guesses for one event. One or two locate an event to rounding error."""
+"""Largest number of guesses of the time of one event. One or two locate it to rounding error."""
 
 MOST_SECANTS = 3  # largest number of secant steps from one guess
 
-SLOPE_SPAN = 1e-4  # fraction of an interval over which the slope for the first secant step is taken
-# relative tolerance of a root of the interpolating polynomial, which is hardly more accurate
+# Time difference for the slope of the first secant step, as a fraction of the interval.
+SLOPE_SPAN = 1e-4
+# Tolerance of a root of the interpolating polynomial, as a fraction of the larger of the values at
+# the two ends. The polynomial is hardly more accurate.
 GUESS_TOLERANCE = 1e-7
 
 MOST_MOVED = 0.1
-"""Longest time by which a result is extrapolated with its accelerations, over the fastest motion's
-time scale times the square root of an interval's permitted error. Accelerations with a relative
-error of this root then change the rates by a tenth of the permitted error."""
+"""Longest time by which a result is advanced at constant accelerations, divided by the fastest
+motion's time scale and by sqrt(error), with the permitted error of an interval. If the relative
+error of the accelerations is sqrt(error), that of the angular velocities is then a tenth of the
+permitted error."""
 
 
 def settle(
@@ -228,17 +235,17 @@ def settle(
 ) -> IntervalResult | None:
     """Return the result at the time within an interval at which a function of the state is zero.
 
-    The first guess of the time is the zero on the interval's interpolating polynomial. Each guess
-    is followed by secant steps along the motion that the accelerations at the guess predict. None
-    is returned if the function does not change sign, if it needs the contact forces, or if the
-    guesses do not converge.
+    The first guess of the time is the zero on the interval's interpolating polynomial. The interval
+    is integrated up to the guess. Secant steps, along the motion with the accelerations at the
+    guess, give the next guess. Return None if the function does not change sign, if it needs the
+    contact forces, or if the guesses do not converge.
 
     Args:
         system: the run.
         value: the function.
         interval: the interval.
-        first: time from which the zero is searched.
-        last: time up to which the zero is searched.
+        first: earliest time of the zero, from the interval's start.
+        last: latest time of the zero, from the interval's start.
         tolerance: largest magnitude of the function that counts as zero.
     """
 
@@ -279,20 +286,20 @@ def settle(
     return None
 
 
-# shortest bracket, as a time in engine units and as a fraction of the searched interval; the smaller
-# of the two applies
+# Shortest bracket of a root, as a time in engine units and as a fraction of the searched interval.
+# The smaller of the two applies.
 SHORTEST_BRACKET = 1e-15
 SHORTEST_BRACKET_FRACTION = 1e-12
 MOST_TRIALS = 110
-"""Largest number of evaluations. A smooth function needs three to six. A jump is bisected down to
-the last digit of a double."""
+"""Largest number of evaluations. A smooth function needs three to six. A jump needs bisections down
+to the last digit of a double."""
 
-# least distance of a trial from the ends of the bracket, over the bracket's length, in the first
-# trial and in later trials: the value at an end may be rounding error
+# Least distance of a trial from the ends of the bracket, as a fraction of the bracket's length, in
+# the first trial and in later trials. It is needed where the value at an end is rounding error.
 LEAST_PART_AT_FIRST = 1e-4
 LEAST_PART = 1e-10
 
-# largest number of evaluations by false position; a smooth function needs fewer
+# Largest number of evaluations by false position, before bisection. A smooth function needs fewer.
 MOST_LINES = 30
 
 
@@ -304,12 +311,20 @@ def locate(
     at_right: float,
     tolerance: float,
 ) -> float:
-    """Return the root of a function between two times at which it has opposite signs, by false
-    position with the weights of Anderson and Bjorck.
+    """Return the root of a function between two times at which it has opposite signs.
 
-    At the returned time the magnitude of the function is at most ``tolerance``, or this time is the
-    later end of the shortest bracket of the root. After ``MOST_LINES`` evaluations, as at a jump,
-    the bracket is bisected.
+    The method is false position with the weights of Anderson and Bjorck, followed by bisection
+    after ``MOST_LINES`` evaluations, as at a jump. At the returned time the magnitude of the
+    function is at most ``tolerance``, or the bracket of the root is the shortest possible and the
+    returned time is its later end.
+
+    Args:
+        value: the function.
+        left: the earlier time.
+        right: the later time.
+        at_left: value of the function at ``left``.
+        at_right: value of the function at ``right``.
+        tolerance: largest magnitude of the function that counts as zero.
 
     N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264.
     Where two successive values have the same sign, the stored value at the other end of the bracket

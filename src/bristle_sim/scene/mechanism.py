@@ -1,8 +1,8 @@
-"""Chains of rigid links whose roots are fixed or carried by a turning hub.
+"""Chains of rigid links whose roots are fixed or carried by a rotating hub.
 
-This module has their geometry, kinematics and mass, without forces. Points and vectors of the plane
-are complex numbers x + iy: i v is the vector v turned by 90 degrees, and a point at the vector r
-from a joint moves at the joint's velocity plus i r times the link's rate.
+The module contains their geometry, kinematics and mass, but no forces. Points and vectors in the
+plane are complex numbers x + iy. The vector v turned by 90 degrees is i v. A point at the vector r
+from a link's joint moves at the joint's velocity plus i r times the link's angular velocity.
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ Complexes = NDArray[np.complex128]
 class Link:
     """A rigid link; engine units.
 
-    Positions are measured from the link's joint while the link is at angle 0, at which a straight
-    link points along -i.
+    Positions are relative to the link's joint, for the link at angle 0. A straight link at angle 0
+    points along -i, that is along -y.
 
     Attributes:
         mass: mass.
         inertia: moment of inertia about the centre of mass.
         centre: position of the centre of mass.
-        corners: positions of the joint (0), of the knees of the centre line, and of the tip.
+        corners: positions of the joint (which is 0), of the knees of the centre line, and of the
+            tip.
     """
 
     mass: float
@@ -45,7 +46,7 @@ class Link:
 
     @classmethod
     def rod(cls, mass: float, length: float) -> Link:
-        """Return a uniform slender rod, of moment of inertia m L^2/12."""
+        """Return a uniform slender rod, whose moment of inertia is m L^2/12."""
         return cls(mass, mass * length**2 / 12.0, -0.5j * length, (0j, -1j * length))
 
     @property
@@ -54,7 +55,13 @@ class Link:
         return self.inertia + self.mass * abs(self.centre) ** 2
 
     def pose(self, joint: complex, velocity: complex, turn: complex) -> Pose:
-        """Return the link's position; ``turn`` is e^{i angle}."""
+        """Return the link's position from that of its joint.
+
+        Args:
+            joint: position of the joint.
+            velocity: velocity of the joint.
+            turn: e^{i angle} of the link.
+        """
         corners = [joint]
         for corner in self.corners[1:]:
             corners.append(joint + turn * corner)
@@ -62,8 +69,12 @@ class Link:
 
 
 class State(NamedTuple):
-    """The state of a mechanism in engine units: the time, and the absolute angle (rad) and the rate
-    of each link.
+    """The state of a mechanism, in engine units.
+
+    Attributes:
+        time: time.
+        angles: absolute angle of each link, rad.
+        rates: absolute angular velocity of each link.
     """
 
     time: float
@@ -88,15 +99,18 @@ class Pose(NamedTuple):
 
 
 class ChainConstants(NamedTuple):
-    """Constants of identical wires.
+    """Constants of identical wires from which the mass matrix follows.
+
+    Let g_kj be the part of link j in the vector from a wire's root to the mass centre of link k,
+    with all links at angle 0. For j < k it is the vector from joint to tip of link j. For j = k it
+    is the vector from the joint to the mass centre of link k. For j > k it is 0.
 
     Attributes:
         inertias: moment of inertia of every link about its centre of mass.
-        arms: vectors g_kj of one wire, stored at [j, k]: from the joint of link j to the next joint
-            (j < k) or to the link's centre of mass (j = k); 0 for j > k.
+        arms: g_kj of one wire, stored at [j, k].
         moments: complex conjugate of g_kj times the mass of link k, stored at [k, j].
-        products: complex matrix P from which the mass matrix follows: the real part of
-            P_jk e^{i (angle_k - angle_j)} is its entry (j, k).
+        products: complex matrix P. The entry (j, k) of the mass matrix is the real part of
+            P_jk e^{i (angle_k - angle_j)}.
     """
 
     inertias: Array
@@ -107,7 +121,7 @@ class ChainConstants(NamedTuple):
 
 @dataclass
 class Mechanism:
-    """One or several wires, each a chain of rigid links, on a hub that turns at constant speed.
+    """One or several wires, each a chain of rigid links, on a hub of constant angular velocity.
 
     Attributes:
         links: the links of all wires, from the root of each wire. The foremost wire comes first;
@@ -116,9 +130,9 @@ class Mechanism:
         hub_speed: angular velocity of the hub.
         hub_start: angle of the first root at time 0, rad.
         wires: number of wires.
-        pitch: angle by which each root lags the root before it, rad.
+        pitch: angle by which each root lags the root in front of it, rad.
         wire_links: number of links of one wire.
-        single_link: whether there is one link alone, with one degree of freedom.
+        single_link: whether the mechanism is a single link, with one degree of freedom.
         jointed: whether a wire has several links.
     """
 
@@ -134,14 +148,14 @@ class Mechanism:
     _known: deque[tuple[State, list[Pose]]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Derive the attributes that count links."""
+        """Compute the attributes that follow from the numbers of links and wires."""
         self.wire_links = len(self.links) // self.wires
         self.single_link = len(self.links) == 1
         self.jointed = self.wire_links > 1
         self._known = deque(maxlen=3)
 
     def root_angle(self, time: float, link: int = 0) -> float:
-        """Return the angle at a time of the root of the wire to which a link belongs, rad.
+        """Return the angle (rad), at a time, of the root of the wire that contains a link.
 
         ``link`` is the link's index.
         """
@@ -155,8 +169,9 @@ class Mechanism:
         )
 
     def poses(self, state: State) -> list[Pose]:
-        """Return the positions and joint velocities of all links; the results for the last three
-        states are cached.
+        """Return the positions and joint velocities of all links.
+
+        The results for the last three states are cached.
         """
         for known, poses in self._known:
             if known is state:
@@ -166,10 +181,16 @@ class Mechanism:
         return poses
 
     def poses_at(self, time: Any, angles: Any, rates: Any, exp: Callable[[Any], Any]) -> list[Any]:
-        """Return the positions and joint velocities of all links from their angles and rates.
+        """Return the positions and joint velocities of all links, for one or several times.
 
-        The poses hold numbers, or arrays over times if the arguments are arrays with one row for
-        each link; ``exp`` is the exponential function of these.
+        Args:
+            time: the time, or an array of n times.
+            angles: angle of each link (rad), or an array of shape (links, n).
+            rates: angular velocity of each link, or an array of shape (links, n).
+            exp: exponential function of numbers or of arrays, as fits the arguments.
+
+        Returns:
+            One ``Pose`` for each link, of numbers or of arrays of shape (n,).
         """
         poses: list[Pose] = []
         for number, link in enumerate(self.links):
@@ -189,10 +210,10 @@ class Mechanism:
         Args:
             time: times, shape (n,).
             angles: angles of the links (rad), shape (n, links).
-            rates: rates of the links, shape (n, links).
+            rates: angular velocities of the links, shape (n, links).
 
         Returns:
-            Positions and velocities, each of shape (n, corners, 2).
+            Positions (x, y) and velocities, each of shape (n, corners, 2).
         """
         places: list[Array] = []
         velocities: list[Array] = []
@@ -204,10 +225,10 @@ class Mechanism:
         return place.view(float), velocity.view(float)
 
     def speed_bound(self, state: State) -> float:
-        """Return an upper bound of the speed of every point, and of the relative speed of two
-        wires.
+        """Return an upper bound of the speed of every point, and of two points' relative speed.
 
-        The bound holds as long as no rate exceeds the rate in the given state.
+        The bound holds as long as no link's angular velocity exceeds that in ``state`` in
+        magnitude.
         """
         bound = min(self.wires, 2) * self.hub_radius * abs(self.hub_speed)
         for link, rate in zip(self.links, state.rates, strict=True):
@@ -216,14 +237,12 @@ class Mechanism:
 
     @cached_property
     def tips(self) -> Complexes:
-        """Vector from joint to tip of every link, at the angle 0."""
+        """Vectors from joint to tip of all links, with the links at angle 0."""
         return np.array([link.corners[-1] for link in self.links])
 
     @cached_property
     def constants(self) -> ChainConstants:
-        """Vectors, inertias and mass matrix of the links at the angle 0, computed when first
-        needed.
-        """
+        """Constants from which the mass matrix follows, computed when first needed."""
         size = self.wire_links
         wire = self.links[:size]
         inertias = np.array([link.inertia for link in self.links])
@@ -234,7 +253,7 @@ class Mechanism:
         return ChainConstants(inertias, arms.T, moments.T, products)
 
     def mass_matrix(self, turn: Complexes) -> Array:
-        """Return the mass matrix in the links' absolute angles, shape (links, links).
+        """Return the mass matrix, shape (links, links); the coordinates are the absolute angles.
 
         ``turn`` is e^{i angle} of each link, shape (links,).
         """
@@ -242,24 +261,26 @@ class Mechanism:
 
 
 def xy(point: complex) -> Vector:
-    """Return the coordinates of a point, as the engine takes them."""
+    """Return the coordinates (x, y) of a point, the form that the engine requires."""
     return (point.real, point.imag)
 
 
 def cross(arm: complex, direction: complex) -> float:
-    """Return the moment, about the start of an arm, of a force in a direction at the arm's end.
+    """Return the cross product of two vectors, ``arm`` x ``direction``.
 
-    For a unit vector as the direction this is the lever of the force.
+    It is the moment of a force ``direction`` that acts at the end of ``arm``, about the arm's
+    start. For a unit vector ``direction`` it is the lever of the force.
     """
     return (arm.conjugate() * direction).imag
 
 
 class Curve:
-    """Interpolating polynomial of the motion in an interval.
+    """The interpolating polynomial of the motion in an interval.
 
-    With the fraction s of the interval it is, for each link, the cubic polynomial through angles
-    and rates at both ends, plus (s (1 - s))^2 times a linear function, which follows from angle and
-    rate in the middle; without a middle it is the cubic polynomial alone.
+    For each link it is the cubic Hermite polynomial of the angles and angular velocities at both
+    ends. If the state in the middle is given, (s (1 - s))^2 times a linear function of s is added,
+    with the time s as a fraction of the interval, so that angle and angular velocity in the middle
+    agree too.
     """
 
     def __init__(self, start: State, middle: State | None, end: State) -> None:

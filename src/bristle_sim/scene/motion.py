@@ -1,7 +1,4 @@
-"""The smooth motion between two changes of contact; each link is in flight or in contact.
-
-The motion is integrated interval by interval.
-"""
+"""The smooth motion between two changes of contact, which is integrated interval by interval."""
 
 from __future__ import annotations
 
@@ -22,34 +19,34 @@ from bristle_sim.scene.system import GAP_ROUNDING, MOST_GROWTH, System
 from bristle_sim.settings import StopReason
 
 LONGEST_TURN = 1.0
-"""Longest interval, in radians of the fastest motion. Within it each event's function changes sign
-at most once, and the cubic polynomial between the interval's ends deviates by at most 1/384 of the
-motion."""
+"""Longest interval, in radians of the fastest motion. The value of each event changes sign at most
+once in it, and the cubic polynomial through the states at its ends has an error of at most 1/384 of
+the motion's amplitude."""
 
 BEYOND_RELEASE = 1.02
-"""Length of the next interval over the time until an expected release. It exceeds 1, so that the
-release lies within the interval."""
+"""Ratio of the next interval's length to the time until an expected release. It exceeds 1, so that
+the release lies within the interval."""
 
-# shortest interval, in engine time units: a shorter one is not accurate, and a motion of this
-# length counts as an instant
+# Shortest interval, in engine time units. A shorter one is not accurate: its motion is of the order
+# of rounding error.
 SHORTEST_INTERVAL = 1e-13
 
 SHORTEST_CONTACT_INTERVAL = 1e-9
-"""Shortest interval of a contact with a spring, over the duration of the contact. In a shorter
-interval rounding error exceeds the tolerance."""
+"""Shortest interval of a contact with a spring, as a fraction of the duration of the contact. In a
+shorter interval rounding error exceeds the tolerance."""
 
 SHORTEST_SAMPLED = 2e-3
 """Shortest interval with inner samples, in engine time units. In a shorter interval the cubic
-polynomial is accurate enough: its error falls with the third power of the interval."""
+polynomial is accurate enough: its error is proportional to the third power of the length."""
 
 INNER_SAMPLES = (0.25, 0.5, 0.75)
 """Instants of a single link's inner samples in an interval of sustained contact, as fractions of
-the interval. At these instants the motion follows from geometry alone."""
+the interval. The motion at these instants follows from geometry alone, without integration."""
 
 QUINTIC_RATE_ERROR = 2.4e-5
-"""Error of the angular velocity on the quintic polynomial through an interval's ends and middle,
-over the fifth power of the interval in radians of the fastest motion. It is 0.0174/6!, where 0.0174
-is the largest slope of (s (s - 1/2) (s - 1))^2."""
+"""Error of the angular velocity of the quintic polynomial through an interval's ends and middle,
+divided by the fifth power of the interval's length in radians of the fastest motion. It is
+0.0174/6!, where 0.0174 is the largest slope of (s (s - 1/2) (s - 1))^2."""
 
 
 @dataclass(slots=True, eq=False)
@@ -59,12 +56,12 @@ class Motion:
     Attributes:
         contacts: the active contacts, the rigid ones first once the motion has begun.
         separating: pairs that have been released but whose gaps are still closed.
-        rigid: solver that keeps rigid contacts closed; None without rigid contacts.
+        rigid: forces of the rigid contacts; None without rigid contacts.
         load: forces of all contacts; None without contacts.
-        limit: longest next interval, in engine time units; it is short where a contact may end as
-            soon as it begins.
-        release_in: time from now until just after the normal force of a rigid contact is expected to
-            reach zero.
+        limit: longest next interval, in engine time units. It is short at the beginning of a
+            contact, which may end at once.
+        release_in: length of the next interval that is expected to contain the release of a rigid
+            contact; infinite if no release is expected.
         before: result at the end of the last interval; None in the first interval.
         events: events that may end the motion, contact events first.
     """
@@ -90,8 +87,10 @@ class Motion:
 
 
 def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
-    """Yield the events of the motion as a whole: largest retraction, highest speed, retraction
-    limit, and the tip's exit from a dent.
+    """Yield the events that do not belong to a contact.
+
+    They are the largest retraction, the highest angular velocity, the retraction limit, and the
+    instant at which the tip leaves a dent. ``in_contact`` states whether a contact is active.
     """
     mechanism = system.mechanism
     hub_speed = mechanism.hub_speed
@@ -102,7 +101,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         return at.state.rates[link] - hub_speed
 
     def acceleration(link: int, at: IntervalResult) -> float:
-        """Return the acceleration of a rigid bristle in flight, by its equation of motion."""
+        """Return a rigid bristle's angular acceleration in flight by its equation of motion."""
         time, angles, rates = at.state
         pose = mechanism.poses(at.state)[link]
         arm = pose.to_centre
@@ -113,9 +112,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         return (moment + own.mass * carried) / own.inertia_about_joint
 
     def left(link: int, at: IntervalResult) -> float:
-        """Return the angle by which a wire's first link may still turn before it lies on the hub,
-        rad.
-        """
+        """Return the angle (rad) that is left until a wire's first link lies on the hub."""
         turned = at.state.angles[link] - mechanism.root_angle(at.state.time, link)
         return plan.retraction_limit - abs(turned)
 
@@ -139,8 +136,10 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     """Integrate the motion over its next interval.
 
     Returns:
-        The interval and None, or None and the event of a contact that slips or whose force has
-        fallen to zero. If both are None, the next interval must be shorter.
+        One of three pairs:
+            The interval and None, if the interval is accepted.
+            None and the event of a contact that begins to slip or is released at the start.
+            None and None, if the interval is rejected; the next one will be shorter.
     """
     start = system.state
     first = motion.before is None
@@ -150,7 +149,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     known: dict[float, IntervalResult] = {}
 
     def integrate_to(time: float) -> IntervalResult:
-        """Return the result at a time after the interval's start; each time is integrated once."""
+        """Return the result at a time after the interval's start, computed once for each time."""
         if time not in known:
             known[time] = system.stepper.advance(system.scene, start, time, motion.load)
         return known[time]
@@ -180,11 +179,11 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
 def _lost(
     system: System, motion: Motion, result: IntervalResult, length: float, slipping: int | None
 ) -> Happening | None:
-    """Return the event at which rigid contacts that would have to pull, or to stick against too
-    large a force, are released or begin to slip; None if the next interval must be shorter.
+    """Return the event that ends a rigid contact or its stick; None if the interval is too long.
 
-    Only a contact that does not stick is released: its normal force falls to zero where its gap
-    begins to open. In stick the normal force depends on friction too. Friction ends with the normal
+    A contact that would have to pull is released. A contact whose tangential force exceeds the
+    friction limit begins to slip. A contact whose slip has just stopped is not released but slips
+    in the opposite sense: its normal force in stick depends on friction, which ends with the normal
     force, and without friction the gap may still close.
 
     Args:
@@ -192,7 +191,8 @@ def _lost(
         motion: the motion, with rigid contacts.
         result: result of the interval.
         length: length of the interval.
-        slipping: index of a sticking contact whose tangential force exceeds friction.
+        slipping: index of a sticking contact whose tangential force exceeds the friction limit;
+            None without such a contact.
     """
     assert motion.rigid is not None
     plan = system.plan
@@ -221,12 +221,11 @@ def _lost(
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:
-    """Accept an interval: advance the run to its end and move links in sustained contact back onto
-    their obstacles.
+    """Advance the run to the end of an interval, and record samples of the motion in it.
 
-    The first interval of a flight after a contact may be the only interval of this flight. It is
-    sampled once more in its middle if the polynomial through three samples would be less accurate
-    than the run.
+    Links in sustained contact are moved back onto their obstacles. The first interval of a flight
+    after a contact may be the only interval of this flight. A further sample is then recorded in it
+    if a polynomial through the states at its ends and in its middle is less accurate than the run.
     """
     solver = system.scene.joint_solver
     recording = system.recording
@@ -263,9 +262,7 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
 
 
 def _add(system: System, motion: Motion, interval: Interval) -> None:
-    """Add the impulses and the work of the contacts in an interval, and record the contact forces
-    at its end.
-    """
+    """Add the contacts' impulses and work in an interval, and record a sample with their forces."""
     motion.release_in = math.inf
     ends: dict[ActiveContact, float] = {}
     begins: dict[ActiveContact, float] = {}
@@ -295,7 +292,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
 
 
 def _proposed(system: System, motion: Motion) -> float:
-    """Return the length of a motion's next interval."""
+    """Return the length of the next interval of a motion."""
     plan = system.plan
     stepper = system.stepper
     left = plan.end - system.state.time

@@ -1,8 +1,8 @@
-"""Pairs of a link and an obstacle: the bar (a circle), the workpart (a half-plane) or a link of
-another wire (a rectangle with round ends).
+"""Pairs of a link and an obstacle that can touch, with their gaps and relative velocities.
 
-A gap is the distance between the link's contact point and the obstacle; it is positive in flight.
-Points and vectors are complex numbers x + iy.
+The obstacle is the bar (a circle), the workpart (a half-plane) or a link of another wire (a
+rectangle with round ends). A gap is the distance between the link and the obstacle; it is positive
+in flight. Points and vectors are complex numbers x + iy.
 """
 
 from __future__ import annotations
@@ -20,29 +20,30 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector
 
-# largest difference between the gaps of two straight segments of a link that both count as
-# touching, over the link's length
+# Largest difference of the gaps of two straight segments of a link that both count as touching, as
+# a fraction of the link's length.
 SAME_GAP = 1e-9
 
 LEAST_REACH = 1e-9
-"""Least distance of the wire's centre line from the bar's centre, over the link's length. It is a
-hundred times the gap that counts as closed, so a rounding error of 1e-16 turns the normal by 1e-7.
-"""
+"""Least sum of the radii of bar and wire, as a fraction of the link's length. At this distance
+between the bar's centre and the wire's centre line, a rounding error of 1e-16 turns the normal by
+1e-7 rad. The distance is a hundred times the gap that counts as closed."""
 
 
 class ClosestApproach(NamedTuple):
-    """The points at which a link and an obstacle are closest, and their relative motion; engine
-    units.
+    """The contact point of a link and an obstacle, with the gap there; engine units.
+
+    The contact point is the point of the link that is closest to the obstacle.
 
     Attributes:
-        gap: distance, negative inside the obstacle.
+        gap: distance of link and obstacle; negative if they overlap.
         arm: vector from the link's joint to the contact point, along world axes.
         normal: unit vector out of the obstacle. The tangent is the normal turned clockwise by 90
             degrees, which is +x on the workpart.
         velocity: (normal, tangential) velocity of the link's contact point relative to the
             obstacle.
         piece: index of the closest straight segment of the centre line, from 0 at the joint. For
-            two wires it is the index of the closest of the four ends of their segments.
+            two wires it is the index of the segment end that touches, as for ``WirePair``.
         partner_arm: vector from the joint of the other wire's link to the contact point; None for a
             fixed obstacle.
     """
@@ -61,8 +62,8 @@ class ClosedPair:
 
     Attributes:
         pair: the link and the obstacle.
-        piece: index of the touching straight segment of the link; None for the closest segment.
-        slip: sense of slip, +1 or -1; 0 in stick; None without friction, or while it is unknown.
+        piece: index of the link's straight segment in contact; None selects the closest segment.
+        slip: sense of slip, +1 or -1; 0 in stick; None without friction, or if it is unknown.
     """
 
     pair: ContactPair
@@ -75,7 +76,7 @@ Line = tuple[complex, complex]
 
 
 def _nearest(point: complex, line: Line) -> complex:
-    """Return the point of a segment that is nearest to a given point."""
+    """Return the point of the segment ``line`` that is nearest to ``point``."""
     start, end = line
     span = end - start
     along = ((point - start) / span).real
@@ -96,19 +97,27 @@ class FixedPair(ABC):
 
     @abstractmethod
     def lines(self, corners: tuple[complex, ...]) -> list[Line]:
-        """Return the straight segments of a link that can touch, from the link's corners."""
+        """Return the straight segments of a link that can touch the obstacle.
+
+        ``corners`` are the positions of the link's joint, knees and tip.
+        """
 
     @abstractmethod
     def touch(self, start: complex, end: complex) -> tuple[float, complex, complex]:
-        """Return the gap of a straight segment, the contact point and the normal."""
+        """Return gap, contact point and normal of the straight segment ``start`` to ``end``."""
 
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
         """Return the closest approach of the link; the contact point is on the wire's surface.
 
-        If two straight segments touch, the segment that approaches faster is used. ``piece``
-        selects a segment by index instead.
+        If two straight segments touch, the closest approach is that of the segment that approaches
+        faster.
+
+        Args:
+            poses: positions and joint velocities of all links.
+            rates: angular velocities of all links.
+            piece: index of a segment; the closest approach of this segment is then returned.
         """
         joint, carried, _, corners = poses[self.link]
         spin = 1j * rates[self.link]
@@ -132,8 +141,8 @@ class FixedPair(ABC):
 class BarPair(FixedPair):
     """A pair of the bar, which is a fixed circle, and one link of the wire.
 
-    The link's centre line stays at least ``radius + wire_radius`` from the circle's ``centre``. The
-    attributes from ``friction`` on are common to all pairs.
+    The link touches the bar if its centre line is at the distance ``radius + wire_radius`` from
+    ``centre``. The attributes from ``friction`` on are common to all pairs.
 
     Attributes:
         centre: centre of the bar.
@@ -145,7 +154,7 @@ class BarPair(FixedPair):
         link: index of the link; -1 is the last link.
         partner: index of the other wire's link; None for a fixed obstacle.
         first_touch: name of the event of a first touch.
-        dent: depth by which an earlier compliant contact has moved the surface back.
+        dent: depth of the dent that an earlier compliant contact has left in the surface.
     """
 
     centre: complex
@@ -160,10 +169,12 @@ class BarPair(FixedPair):
     restitution_friction = SAME_FRICTION
 
     def __post_init__(self) -> None:
-        """Check that the bar is so thick that rounding errors cannot put the wire on its other side.
+        """Check that the bar is thick enough for double precision.
+
+        Rounding errors could put the wire on the other side of a thinner bar.
 
         Raises:
-            ValueError: if it is too thin.
+            ValueError: if the bar is too thin.
         """
         reach = self.radius + self.wire_radius
         if not reach >= LEAST_REACH:
@@ -177,8 +188,9 @@ class BarPair(FixedPair):
         return [*itertools.pairwise(corners)]
 
     def touch(self, start: complex, end: complex) -> tuple[float, complex, complex]:
-        """Return the gap of a straight segment with round ends, the contact point on its surface,
-        and the normal.
+        """Return gap, contact point and normal of a straight segment.
+
+        The segment has round ends; the contact point is on its surface.
         """
         centre = self.centre
         span = end - start
@@ -191,21 +203,21 @@ class BarPair(FixedPair):
         return distance - self.radius - thickness + self.dent, place - thickness * normal, normal
 
     def ends_passed(self, pose: Pose) -> list[float]:
-        """Return the place of the bar's centre along each straight segment of the link, measured
-        from the segment's start and from its end, in lengths of the segment.
+        """Return the positions of the bar's centre along each segment, from both of its ends.
 
-        There are two numbers for each segment, from the joint to the tip. Where one is 0, the
-        contact point passes a joint, a knee or the tip.
+        There are two numbers for each straight segment of the link, from the joint to the tip: the
+        distance past the segment's start, and the distance past its end, in lengths of the segment.
+        When a number is 0, the contact point passes a joint, a knee or the tip.
         """
         lines = self.lines(pose.corners)
         feet = [((self.centre - start) / (end - start)).real for start, end in lines]
         return [distance for foot in feet for distance in (foot, foot - 1.0)]
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the smallest gap between the bar and any other straight segment of the link.
+        """Return the smallest gap between the bar and the link's segments that do not touch yet.
 
-        ``piece`` is the index of the segment that already touches. A segment whose closest point is
-        its corner towards ``piece`` is left out. Without another segment the gap is infinite.
+        ``piece`` is the index of the straight segment that touches. A segment whose closest point
+        is its corner towards that segment is left out. If no segment remains, the gap is infinite.
         """
         gaps = [math.inf]
         ends = self.ends_passed(pose)
@@ -220,11 +232,14 @@ class BarPair(FixedPair):
 
 @dataclass(frozen=True, slots=True)
 class WorkpartPair(FixedPair):
-    """The workpart, a half-plane y <= -depth, and a corner of the link's centre line: its tip, or a
-    knee.
+    """A pair of the workpart, the half-plane y <= -depth, and the tip or a knee of a link.
 
-    The attributes but ``depth`` are those of ``BarPair``, and ``corner``, the index of the corner
-    that touches: -1 for the tip.
+    Attributes:
+        depth: distance of the workpart's surface from the origin.
+        restitution_friction: coefficient of friction in restitution.
+        corner: index of the corner of the link's centre line that can touch; -1 for the tip.
+
+    The other attributes are those of ``BarPair``.
     """
 
     depth: float
@@ -238,7 +253,7 @@ class WorkpartPair(FixedPair):
     corner: int = -1
 
     def lines(self, corners: tuple[complex, ...]) -> list[Line]:
-        """Return the segment from the link's joint to the corner that touches."""
+        """Return the segment from the link's joint to the corner that can touch, as a list."""
         return [(corners[0], corners[self.corner])]
 
     def touch(self, _: complex, end: complex) -> tuple[float, complex, complex]:
@@ -248,12 +263,12 @@ class WorkpartPair(FixedPair):
 
 @dataclass(frozen=True, slots=True)
 class WirePair:
-    """Two straight segments of links of different wires; an end of one segment touches the other
-    segment.
+    """A pair of two straight segments of links of different wires.
 
-    The normal points from the other wire's link, ``partner``, to the link. The ``piece`` of a
-    closest approach is the index of the end that touches: 0 and 1 are the start and the end of the
-    link's own segment, 2 and 3 those of the partner's segment.
+    An end of one segment touches the other segment. The normal points from the other wire's link,
+    ``partner``, to the link. The ``piece`` of a closest approach is the index of the end that
+    touches: 0 and 1 are the start and the end of the link's own segment, 2 and 3 those of the
+    partner's segment.
 
     Attributes:
         own_piece: index of the straight segment in the link.
@@ -278,8 +293,13 @@ class WirePair:
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the two segments. If ``piece`` is given, return the
-        closest approach of the end with this index to the other segment.
+        """Return the closest approach of the two segments.
+
+        Args:
+            poses: positions and joint velocities of all links.
+            rates: angular velocities of all links.
+            piece: index of a segment's end; the closest approach of this end to the other segment
+                is then returned.
         """
         pose = poses[self.link]
         partner = poses[self.partner]
@@ -305,7 +325,10 @@ class WirePair:
 
 
 def _on_two_sides(line: Line, points: Line) -> bool:
-    """Return whether two points lie on different sides of an infinite line."""
+    """Return whether the ends of one segment lie on different sides of the other, extended one.
+
+    ``line`` is extended to both sides; ``points`` are the two ends of the other segment.
+    """
     start, end = line
     first, second = (((point - start) / (end - start)).imag for point in points)
     return first * second < 0.0
@@ -324,13 +347,21 @@ def contact_rows(
     pairs: Sequence[ContactPair],
     touches: Sequence[ClosestApproach],
 ) -> tuple[Array, Array]:
-    """Return the Jacobians of the contacts' relative velocities, along the normals and along the
-    tangents, each of the shape (pairs, links).
+    """Return the Jacobians of the contact points' relative velocities.
 
-    ``turn`` is e^{i angle} of each link. The angular velocity of the touching link enters with the
-    arm from its joint to the contact point, that of a link nearer the root with the arm from its
-    joint to its tip. The lever of the normal n about the start of an arm r is Re(i conj(n) r), the
-    lever of the tangent -Im(i conj(n) r).
+    An entry is the lever, about a link's joint, of the contact's normal n or of its tangent. With
+    the arm r the lever of the normal is Re(i conj(n) r), that of the tangent -Im(i conj(n) r). For
+    the touching link r is the vector from its joint to the contact point. For a link nearer the
+    root r is the vector from its joint to its tip.
+
+    Args:
+        mechanism: the mechanism.
+        turn: e^{i angle} of each link.
+        pairs: the pairs in contact.
+        touches: closest approach of each pair.
+
+    Returns:
+        The Jacobians of the normal and of the tangential velocities, each of shape (pairs, links).
     """
     rows = np.zeros((len(pairs), len(turn)), complex)
     for row, pair, touch in zip(rows, pairs, touches, strict=True):

@@ -76,10 +76,9 @@ def trajectories_in_si(
 
 
 def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, Array, Array]:
-    """Return the sampled times, angles and angular velocities as arrays of shapes (n,), (n, links)
-    and (n, links).
+    """Return the times, angles and angular velocities of n samples as arrays.
 
-    ``own`` selects the links of one wire.
+    Their shapes are (n,), (n, links) and (n, links). ``own`` selects the links of one wire.
     """
     time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
     return time, angles[:, own], rates[:, own]
@@ -88,15 +87,20 @@ def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, A
 def _events(
     recording: Recording, scene: Scene, wire: int, lags: tuple[Array, Array], units: Units
 ) -> tuple[Event, ...]:
-    """Return a wire's events, with at most one of the recorded maxima of its retraction.
+    """Return a wire's events, with at most one event of largest retraction.
 
-    ``lags`` holds the times and the retractions of the samples.
+    The run has recorded every local maximum of the retraction. Only the largest maximum before the
+    strike (or in the run, without a strike) is returned. It is left out too if the retraction is
+    larger at the start or end of this period. A maximum that has stopped the run is always
+    returned. If the wire has not touched the bar or the workpart, an event at the end of the run
+    states so.
 
-    The period considered ends with the strike, or with the run if the wire does not strike. The
-    largest maximum in this period is kept, unless the retraction is larger at the period's start or
-    end. An extreme that stops the run is kept in
-    any case. The absence of a contact with bar or workpart is added as an event at the end of the
-    run.
+    Args:
+        recording: the record of the run.
+        scene: the scene.
+        wire: index of the wire.
+        lags: times and retractions (rad) of the samples.
+        units: conversion factors from engine units to SI units.
     """
     times, lag = lags
     end = float(times[-1])
@@ -126,11 +130,10 @@ def contacts_in_si(
     wire: int,
     units: Units,
 ) -> tuple[ContactRecord, ...]:
-    """Return a wire's contact records in SI units, with the angles and angular velocities of this
-    wire only.
+    """Return a wire's contact records in SI units, in order of time.
 
-    Each record states the number of the link in contact, and of the neighbouring bristle if it
-    touches one.
+    Each record holds the angles and angular velocities of this wire only. It states the number of
+    the link in contact, and the number of the neighbouring bristle if the wire touches one.
     """
     size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)
@@ -158,7 +161,8 @@ def energies(
 ) -> tuple[Array, Array]:
     """Return the kinetic energy and the potential energy at each sample, in engine units.
 
-    The potential energy is the sum of the energies of belt, hinges and gravity.
+    The potential energy is that of belt, hinges and gravity. ``motion`` holds the times, angles and
+    angular velocities of the samples, as returned by ``columns``.
     """
     time, angles, rates = motion
     hub = mechanism.hub_start + mechanism.hub_speed * time
@@ -181,17 +185,16 @@ UNIT_OF = {
     "tangential_force": "force", "penetration": "length", "normal_velocity": "velocity",
     "tangential_velocity": "velocity",
 }  # fmt: skip
-"""Kind of unit of each number of a contact record and of its history: the name of an attribute of
-``Units``."""
+"""Attribute of ``Units`` that holds the unit of each number of a contact record or its history."""
 
 
 T = TypeVar("T", ContactRecord, ContactHistory)
 
 
 def contact_in_si(record: T, units: Units, **changes: Any) -> T:
-    """Return a contact record, or its history, converted from engine units to SI.
+    """Return a contact record, or its history, converted from engine units to SI units.
 
-    ``changes`` are new values of the record's attributes, in engine units.
+    ``changes`` replace attributes of the record; they are in engine units too.
     """
     for field in dataclasses.fields(record):
         value = changes.get(field.name, getattr(record, field.name))

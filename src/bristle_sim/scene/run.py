@@ -1,10 +1,9 @@
-"""The loop of a run, and the decision after an event: which contacts begin, which change, and which
-end.
+"""The loop of a run, and the decision after an event: which contacts begin, change and end.
 
 :func:`decide` makes this decision for every kind of event: impacts, releases, passages of a contact
 from link to link, changes of slip, phases of contact springs, and rest. Impulses change the angular
-velocities. Links in contact are also moved back onto their obstacles, because an integrator
-constrains only velocities.
+velocities. When a new motion begins, links in sustained contact are moved back exactly onto their
+obstacles, because the integrator constrains only their velocities.
 """
 
 from __future__ import annotations
@@ -45,10 +44,10 @@ def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
     """Run a system from its present state to the plan's end, interval by interval.
 
     Yields:
-        Pairs of a motion and the event that has ended its interval, or None. The first pair is the
-            motion with which the run starts, and None. Each interval yields one pair at its end.
-            Each event yields a second pair: the motion that follows the event, and None. The last
-            pair is a motion without contacts, and None.
+        Pairs (motion, event). The first pair is the motion with which the run starts, and None. At
+            the end of each interval a pair holds its motion, and the event that has ended the
+            interval or None. After an event a further pair holds the motion that follows the event,
+            and None. The last pair is a motion without contacts, and None.
     """
     plan = system.plan
     scene = system.scene
@@ -77,7 +76,7 @@ def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
 
 
 def first_motion(system: System) -> Motion:
-    """Return the motion with which a run starts."""
+    """Return the motion with which a run starts, after the touches of gaps closed at the start."""
     motion = begin_motion(system, Motion())
     for pair in system.pairs:
         touch = system.closest(pair, system.state)
@@ -88,7 +87,10 @@ def first_motion(system: System) -> Motion:
 
 
 def decide(system: System, motion: Motion, event: Happening) -> Motion:
-    """Return the motion that follows an event. If no contact changes, it is the same motion.
+    """Return the motion that follows an event.
+
+    After an extreme of the motion, which changes no contact, it is the same motion. After any other
+    event a new motion begins.
 
     Raises:
         ValueError: if the contact law cannot resolve the run's first contact.
@@ -133,9 +135,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
 
 
 def _sense_after(system: System, event: Happening) -> int:
-    """Return the sense of slip of a rigid contact after an event that changes its slip: +1, -1, or
-    0 for stick.
-    """
+    """Return the sense of slip, +1 or -1, of a rigid contact after an event; 0 for stick."""
     contact: ActiveContact = event.subject
     if event.kind is Kind.SLIPS:
         return int(event.detail)
@@ -147,11 +147,10 @@ def _sense_after(system: System, event: Happening) -> int:
 
 
 def begin_motion(system: System, given: Motion) -> Motion:
-    """Return a new motion with the contacts of a given one, after their gaps have been closed
-    exactly.
+    """Return a new motion with the contacts of ``given``, whose gaps are first closed exactly.
 
-    The run stops in two cases: if its last event has happened and no contact has a spring, or if no
-    force can keep a rigid contact closed.
+    The run stops in two cases. The first is that every wire has had the event ``stop_after``, and
+    no contact has a spring. The second is that no force can keep a rigid contact closed.
     """
     springs = given.springs
     if not (system.recording.stop_reason or system.waiting or springs):
@@ -186,8 +185,10 @@ def begin_motion(system: System, given: Motion) -> Motion:
 
 
 def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidContacts:
-    """Move the links to the nearest state in which the rigid contacts are closed, set each
-    contact's sense of slip, and return the contacts' forces.
+    """Close the gaps of the rigid contacts exactly, and return the solver of their forces.
+
+    The links are moved to the nearest state with closed gaps. The sense of slip of each contact is
+    set too.
     """
     rigid = RigidContacts(system.scene, contacts)
     rigid.engage(system.state)
@@ -202,8 +203,9 @@ def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidCont
 
 
 def _lock(system: System, contacts: list[ActiveContact]) -> None:
-    """Stop a run in which no force can keep a contact closed: friction jams the link, or a
-    frictionless link meets its obstacle end-on.
+    """Stop a run in which no force can keep a contact closed.
+
+    With friction the link jams. Without friction it meets its obstacle end-on.
     """
     pairs = [contact.pair for contact in contacts]
     if any(pair.friction for pair in pairs):
@@ -214,8 +216,16 @@ def _lock(system: System, contacts: list[ActiveContact]) -> None:
 def _contact_begun(
     system: System, motion: Motion, pair: ContactPair, name: str, rests: bool
 ) -> Motion | None:
-    """Return the motion after a touch that begins a contact with a spring or a contact at rest;
-    None if the touch is an impact.
+    """Return the motion after a touch that begins a contact; None if the touch is an impact.
+
+    The contact has a spring, or it is a rigid contact of a link that comes to rest.
+
+    Args:
+        system: the run.
+        motion: the motion before the touch.
+        pair: the link and the obstacle that touch.
+        name: name of the touch as an event.
+        rests: whether the link comes to rest.
     """
     law = system.law_of(pair)
     began = None
@@ -234,8 +244,10 @@ def _contact_begun(
 
 
 def _touch_name(system: System, pair: ContactPair) -> str:
-    """Return the event name of a touch: ``strike`` for a wire's first touch of the workpart;
-    otherwise ``bar touch``, ``workpart touch`` or ``wire touch``.
+    """Return the name of a touch as an event.
+
+    It is ``strike`` for a wire's first touch of the workpart, and otherwise ``bar touch``,
+    ``workpart touch`` or ``wire touch``.
     """
     wire = system.wires_of(pair)[0]
     size = system.mechanism.wire_links
@@ -248,8 +260,9 @@ def _touch_name(system: System, pair: ContactPair) -> str:
 def _after_spring_event(
     system: System, motion: Motion, spring: SpringContact, kind: Kind
 ) -> Motion:
-    """Return the motion after an event of a contact spring, which changes the spring's phase or
-    ends its contact.
+    """Return the motion after an event that changes or ends the phase of a contact with a spring.
+
+    The contact goes on in its next phase, or it ends.
     """
     pair: ContactPair = spring.pair
     outcome = change_spring(system, motion, spring, kind)
@@ -287,10 +300,10 @@ def _after_spring_event(
 
 
 def _add_limit_error(system: System, spring: SpringContact) -> None:
-    """Add to the run's error the difference between a contact with a spring and the impact law that
-    it stands for.
+    """Add the difference between a contact with a spring and the impact law to the run's error.
 
-    This applies only to contacts that represent the rigid-body limit.
+    It is the largest difference of the angular velocities after the contact. It is added only if
+    the contact represents the rigid-body limit.
     """
     if system.follows_law(spring):
         law = system.law_of(spring.pair)

@@ -1,5 +1,4 @@
-"""A contact with springs and friction, simulated over its duration: its present phase, its forces
-and its record.
+"""A contact with springs and friction, simulated over its duration: phase, forces and record.
 
 The force law is that of :mod:`bristle_sim.theory.contact_spring`. The shorter the contact, the
 closer its outcome is to the outcome of the impact law with the same tangential compliance eta^2
@@ -23,36 +22,38 @@ from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 LEAST_PHASE = 1e-6
-"""Least normal impulse of a phase that the record names, over the normal impulse of the contact.
-Shorter phases are left out because stick always ends in a short slip: just before separation the
-force is too small to hold the contact point. The shorter the contact, the shorter this slip."""
+"""Least normal impulse of a phase that the record names, as a fraction of the normal impulse of the
+contact. Stick always ends in a short slip, which is not named: just before separation the force is
+too small to keep the contact point from slipping. The shorter the contact, the shorter this slip.
+"""
 
 NO_SLIP_TO_STOP = 1e-14
 """Least ratio K_tt/K_nn of tangential to normal inverse mass. A smaller K_tt is rounding error: the
 tip moves along the normal and has no slip to stop."""
 
 NO_GRIP = 0.1
-"""Angle (rad) between a link and the direction in which K_tt = 0, over the contact's duration in
-scene units. At smaller angles the tip cannot stick: K_tt, the tangential inverse mass, changes by
-more than its own value in one interval, and no force within the friction cone stops the slip."""
+"""Least angle (rad) between a link and the direction in which its tangential inverse mass K_tt is
+0, divided by the contact's duration in scene units. At a smaller angle the tip cannot stick: K_tt
+changes by more than its own value in one interval, and no force within the friction cone stops the
+slip."""
 
 MOST_TURN = 1e-3
-"""Largest angle (rad) at which ``NO_GRIP`` rules out stick, however long the contact lasts."""
+"""Upper bound (rad) of the angle that follows from ``NO_GRIP`` and the contact's duration."""
 
-# largest distance of a force from the edge of the friction cone, over the friction limit, at which
-# the force counts as on the edge
+# Largest distance of a tangential force from the edge of the friction cone, as a fraction of the
+# friction limit, at which the force counts as on the edge.
 EDGE_ROUNDING = 1e-9
 
 SHORTEST_SWING = 1e-3
-"""Shortest half period of a tangential spring's oscillation that is simulated, over the contact's
-duration. At the deepest point the force oscillates between the friction of compression and the
-friction of restitution. Faster oscillations are replaced by their mean, the phase "slip at rest".
-The mean misses a growth of the deepest penetration by less than a tenth of this fraction; a
-thousand half periods would cost some 300,000 engine steps."""
+"""Shortest half period of a tangential spring's oscillation that is simulated, as a fraction of the
+contact's duration. At the deepest point the force oscillates between the friction of compression
+and the friction of restitution. Faster oscillations are replaced by their mean, the phase "slip at
+rest". The deepest penetration then has a relative error of less than a tenth of this fraction. The
+simulation of a thousand half periods would take some 300,000 engine steps."""
 
 
 class SpringPhase(NamedTuple):
-    """A phase of the contact.
+    """A phase of a contact with springs.
 
     Attributes:
         loading: whether the normal spring is being loaded (compression).
@@ -69,8 +70,8 @@ class SpringPhase(NamedTuple):
 class SpringContact(ActiveContact):
     """A contact with springs, which is simulated over its duration, and its present phase.
 
-    A normal spring with energetic restitution acts with Coulomb friction, and with a tangential
-    spring if the contact is compliant along the surface.
+    The contact has a normal spring with energetic restitution, Coulomb friction, and a tangential
+    spring if it is compliant along the surface.
 
     Attributes:
         law: force law of the springs, in engine units.
@@ -79,8 +80,8 @@ class SpringContact(ActiveContact):
         finite_duration: whether the user has given the duration, so that the bodies move noticeably
             during the contact. Otherwise the contact is short enough for the rigid-body limit.
         stepper: integrator of the contact.
-        surface: gap at the first touch, from which the penetration is measured.
-        inverse_mass: contact-space inverse mass matrix K, by rows, at the first touch or at the
+        surface: gap at the first touch; the penetration is this gap minus the present gap.
+        inverse_mass: contact-space inverse mass matrix K, row by row, at the first touch or at the
             last update from the bodies.
         deepest: penetration at which unloading began; None while the spring is being loaded.
         slip: sense of slip, 1 or -1; 0 in stick.
@@ -91,10 +92,10 @@ class SpringContact(ActiveContact):
         foot: position along the surface at which the tangential spring is attached.
         phases: the phases so far.
         rows: the samples: time, normal and tangential force, penetration, normal and tangential
-            velocity. Two samples at one time are the end of a phase and the start of the next.
+            velocity. Two samples at the same time are the end of a phase and the start of the next.
         compression: impulse and work up to the end of compression; None until compression ends.
         stopped_at: state, impulse, work, number of samples and number of phases at the instant at
-            which the rigid-body law jams; None if that instant is not reached.
+            which the rigid-body law predicts a jam; None before this instant.
     """
 
     pair: WorkpartPair
@@ -117,7 +118,7 @@ class SpringContact(ActiveContact):
     stopped_at: tuple[State, Vector, Vector, int, int] | None = None
 
     def penetration(self, closest: Closest, state: State) -> float:
-        """Return the penetration in a state."""
+        """Return the penetration in a state; ``closest`` is ``System.closest``."""
         return self.surface - closest(self.pair, state).gap
 
     def sample(self, closest: Closest, state: State) -> float:
@@ -134,14 +135,14 @@ class SpringContact(ActiveContact):
         self.phases.append(SpringPhase(self.loading, self.slip, self.impulse[0]))
 
     def unload(self, penetration: float) -> None:
-        """Begin the unloading of the normal spring at a penetration."""
+        """End compression: the normal spring unloads from the given penetration on."""
         self.compression = (self.impulse, self.work)
         self.deepest = penetration
 
     def phase_names(self, *, jams: bool) -> tuple[str, ...]:
-        """Return the names of the phases in order, without phases too short to matter.
+        """Return the names of the phases in order, without those shorter than ``LEAST_PHASE``.
 
-        The last phase of a jam is always named.
+        If the contact jams, its last phase is always named.
         """
         ends = [*(phase.impulse for phase in self.phases[1:]), self.impulse[0]]
         names: list[str] = []
@@ -156,8 +157,12 @@ class SpringContact(ActiveContact):
         return tuple(name for name, _ in itertools.groupby(names))
 
     def record(self, closest: Closest, last: State, outcome: str) -> ContactRecord | None:
-        """Return the contact record with its phases and history; None for a contact of zero
-        duration.
+        """Return the contact record, with phases and history; None for a contact of zero duration.
+
+        Args:
+            closest: function that returns the closest approach of a pair in a state.
+            last: state at which the contact ends.
+            outcome: how it ends.
         """
         sustained = ActiveContact.record(self, closest, last, outcome)
         if sustained is None:
@@ -177,12 +182,12 @@ class SpringContact(ActiveContact):
 
     @property
     def loading(self) -> bool:
-        """Whether the normal spring is being loaded, not unloaded."""
+        """Whether the normal spring is being loaded (True) or unloaded."""
         return self.deepest is None
 
     @property
     def jams(self) -> bool:
-        """Whether the impact law jams and the contact has not reached that instant."""
+        """Whether the impact law predicts a jam that the contact has not reached yet."""
         return self.predicted == Outcome.JAM and self.loading and self.stopped_at is None
 
     @property
@@ -192,7 +197,7 @@ class SpringContact(ActiveContact):
 
     @property
     def friction(self) -> float:
-        """Coefficient of friction in the present phase, compression or restitution."""
+        """Coefficient of friction of the present phase, which is compression or restitution."""
         return self.law.coefficient(loading=self.loading)
 
     @property
@@ -213,7 +218,10 @@ class SpringContact(ActiveContact):
         return self.law.stiffness * self.law.steepness(loading=self.loading)
 
     def forces(self, penetration: float) -> Vector:
-        """Return the (normal, tangential) force at a penetration, within the friction cone."""
+        """Return the (normal, tangential) force at a penetration.
+
+        The tangential force in stick is limited to the friction cone.
+        """
         normal = max(self.law.normal_force(penetration, self.deepest), 0.0)
         if self.slip and not self.at_rest:
             return normal, -self.friction * self.slip * normal
@@ -225,15 +233,19 @@ class SpringContact(ActiveContact):
         )
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
-        """Return the friction limit at a penetration minus the magnitude of a force in stick."""
+        """Return the friction limit at a penetration minus the magnitude of ``stick_force``.
+
+        It is negative if the contact point cannot stick.
+        """
         return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
     def rest_margins(self, penetration: float, force: float) -> Vector:
-        """Return how far the tangential force in slip at rest is from its two limits.
+        """Return the margins of the tangential force in slip at rest to its two limits.
 
         Returns:
-            The margin to the friction of restitution, at which the contact point leaves the
-            surface, and the margin to the friction of compression, at which it is pressed deeper.
+            The margin to the friction of restitution, at which the contact point begins to move out
+            of the surface.
+            The margin to the friction of compression, at which it begins to move deeper.
         """
         normal = self.law.normal_force(penetration, self.deepest)
         friction = -self.slip * force
@@ -244,8 +256,10 @@ class SpringContact(ActiveContact):
 
     @property
     def least_slip_at_rest(self) -> float:
-        """Slip velocity below which the tangential spring's oscillation at the deepest point is
-        simulated; 0 without a tangential spring.
+        """Least slip velocity in the phase "slip at rest"; 0 without a tangential spring.
+
+        Below it the tangential spring's oscillation at the deepest point is slow enough to be
+        simulated.
         """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (self.deepest or 0.0)
@@ -254,18 +268,28 @@ class SpringContact(ActiveContact):
     def foot_speed(self, velocity: Vector) -> float:
         """Return the velocity at which the tangential spring's attachment slides along the surface.
 
-        Without a tangential spring this is the velocity of the contact point.
+        Without a tangential spring it is the tangential component of ``velocity``, the velocity of
+        the contact point.
         """
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def off_balance(self, velocity: Vector) -> float:
-        """Return the tangential velocity less its value where K (N, T) is stationary in loading."""
+        """Return the excess of the tangential velocity over its value at a balance of forces.
+
+        At the balance the tangential acceleration that the contact forces give the contact point is
+        stationary during loading: v_t = -eta^2 v_n K_nt/K_tt.
+        """
         coupling, along = map(float, self.inverse_mass[1])
         return velocity[1] + self.law.compliance * velocity[0] * coupling / along
 
     def set_foot(self, penetration: float, place: float) -> bool:
-        """Attach the tangential spring to the surface so that its force continues without a jump,
-        limited to the friction cone; return whether the force is on the cone's edge.
+        """Attach the tangential spring to the surface so that its force does not jump.
+
+        The force is limited to the friction cone. Return whether it is on the edge of the cone.
+
+        Args:
+            penetration: present penetration.
+            place: x coordinate of the contact point.
         """
         limit = max(self.spare_friction(penetration, 0.0), 0.0)
         force = min(max(self.stick_force, -limit), limit)
