@@ -1,9 +1,9 @@
 """Public functions that simulate a tool, or a row of bristles, in pymunk from a given start.
 
-In flight nothing touches. Where a gap closes, the instant is located and the contact law resolves
-the impact. If the link is then pressed onto the obstacle, the contact is sustained, with Coulomb
-friction, until its normal force falls to zero. The instant of this release is located too. Several
-contacts may be sustained at the same time.
+When the gap between a link and an obstacle closes, the instant is located and the contact law
+resolves the impact. If the link is then pressed onto the obstacle, the contact is sustained, with
+Coulomb friction, until its normal force falls to zero. The instant of this release is located too.
+Several contacts may be sustained at the same time.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ from bristle_sim.units import shown
 # values of the entry "method" in a trajectory's parameters
 METHOD = "pymunk"
 ROW_METHOD = "pymunk, a row of bristles"
-REST_PERIODS = 3.0  # duration of a run on a hub at rest, over the bristle's period of oscillation
+REST_PERIODS = 3.0  # duration of a run on a hub at rest, in the bristle's periods of oscillation
 RETRACTION_LIMIT = (
     math.pi / 2.0
 )  # angle from the radial direction at which a bristle lies on the hub, rad
 OVERLAP_ROUNDING = 1e-11
-"""Largest overlap of bristle and obstacle accepted at the start as rounding error, over the
-bristle's length."""
+"""Largest overlap of bristle and obstacle that is accepted at the start as rounding error, as a
+fraction of the bristle's length."""
 
 LEAST_NEEDED = 8
 MOST_NEEDED = 24
 """Smallest and largest default number of samples in a period of the bristle on its belt.
 
-Fewer samples give a poor picture. More are not worth their computing time, although cubic
-interpolation between 24 samples in a period has an error of 1e-5."""
+With fewer samples a drawing is inaccurate. More samples are not worth their computing time,
+although cubic interpolation between 24 samples in a period still has an error of 1e-5."""
 
 PLACE_KEYS = {
     "bar": ("bar_horizontal", "bar_vertical"),
@@ -56,8 +56,7 @@ PLACE_KEYS = {
 
 @dataclass(frozen=True, slots=True)
 class StartRelativeToHub(Declared):
-    """A start at which every wire has the same angle and the same angular velocity relative to its
-    root.
+    """A start with the same angle and angular velocity of every wire relative to its root.
 
     Every number is checked against its declared range.
     """
@@ -81,7 +80,7 @@ def simulate(
     """Simulate one bristle, rigid or a chain of links, in pymunk from a given start.
 
     Args:
-        tool: the tool; parts that are None are absent from the simulation.
+        tool: the tool; its bar and its workpart may be None, that is, absent.
         settings: numerical settings.
         start_hub_angle: angle of the root from the direction of the workpart, rad; by default
             ``tool.start_hub_angle``.
@@ -97,8 +96,8 @@ def simulate(
     Raises:
         ValueError: if the start is out of range or overlaps an obstacle; if no event has the name
             ``stop_after``; if rounding errors exceed the requested accuracy; if the wire's damping
-            needs more steps than there are; or if the contact law cannot resolve the run's first
-            contact.
+            requires more steps than ``settings.maximum_steps``; or if the contact law cannot
+            resolve the run's first contact.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, parameters = prepare(tool, settings, begin, stop_after=stop_after)
@@ -119,10 +118,10 @@ def simulate_row(
     start_hub_angle: float | None = None,
     stop_after: str | None = None,
 ) -> tuple[Trajectory, ...]:
-    """Simulate a row of bristles in one plane in pymunk; they can touch each other, the bar and the
-    workpart.
+    """Simulate a row of bristles in one plane in pymunk.
 
-    All bristles start at the same instant, radial and turning with the hub.
+    They can touch each other, the bar and the workpart. All bristles start at the same instant, in
+    radial direction and with the hub's angular velocity.
 
     Args:
         tool: the tool; every bristle has its parameters.
@@ -137,9 +136,9 @@ def simulate_row(
         stop_after: name of an event; the run ends when every bristle has had this event.
 
     Returns:
-        One trajectory for each bristle, the foremost first, with the same sampling instants. Where
+        One trajectory for each bristle, the foremost first, with the same sampling instants. When
         two wires touch, both trajectories have the event ``wire touch`` and a contact record with
-        the obstacle ``wire``. Each record has its own normal.
+        the obstacle ``wire``. The normal of a record points to the trajectory's own bristle.
 
     Raises:
         ValueError: as for ``simulate``, and if bristles overlap at the start.
@@ -164,13 +163,15 @@ def prepare(
 
     Args:
         tool, settings, stop_after: as for ``simulate``.
-        begin: angle of the hub (rad) or None for the tool's own start; then angle (rad) and angular
-            velocity (rad/s) of every wire relative to its root.
+        begin: three numbers: the hub angle at the start (rad), or None for that of the tool; the
+            angle (rad) of every wire relative to its root; the angular velocity (rad/s) of every
+            wire relative to its root.
         row: number, pitch and contact parameters of the bristles.
 
     Returns:
-        The system, the conversion factors from engine units to SI units, and the input as a dict of
-        plain numbers and strings.
+        The system.
+        The conversion factors from engine units to SI units.
+        The input as a dict of plain numbers and strings.
     """
     tool = checked_tool(tool)
     if not isinstance(settings, Settings | None):
@@ -223,8 +224,8 @@ def prepare(
     return System(scene, start, stepper, plan, law=law), units, parameters
 
 
-# least number of engine steps in the longest damped interval with which the differences between
-# repetitions of the interval are an estimate of the error of the rates
+# Least number of engine steps in the longest interval that resolves damping. With fewer steps the
+# difference of two extrapolated results is no estimate of the angular velocities' error.
 DAMPED_STEPS = 27
 
 LOCAL_FRACTION = 0.05
@@ -232,19 +233,18 @@ LOCAL_FRACTION = 0.05
 intervals add up to the accuracy."""
 
 SOME_INTERVALS = 50.0
-"""Number of intervals above which ``LOCAL_FRACTION`` is reduced in proportion.
+"""Number of intervals above which the permitted error of an interval is reduced, in inverse
+proportion to the number.
 
-For a single link it is compared with the number of intervals that damping requires within the
-belt's relaxation time c/k. For several links it is compared with the number of intervals that
-damping or vibration requires in the whole run."""
+For a single link it is the number of intervals that damping requires within the belt's relaxation
+time c/k. For several links it is the number that damping or vibration requires in the whole run."""
 
 
 def samples_per_period(settings: Settings) -> int:
-    """Return the least number of samples in a period of the bristle on its belt, as given or as
-    required by the accuracy.
+    """Return the least number of samples in a period of the bristle on its belt.
 
-    The relative error of cubic interpolation is h^4/384 for samples at intervals of h rad of the
-    oscillation.
+    It is that of the settings, or else follows from the accuracy: the relative error of cubic
+    interpolation is h^4/384 for samples at intervals of h rad of the oscillation.
     """
     if settings.samples_per_period is not None:
         return settings.samples_per_period
@@ -253,8 +253,7 @@ def samples_per_period(settings: Settings) -> int:
 
 
 def stepper_for(scene: Scene, settings: Settings, plan: Plan) -> Extrapolation:
-    """Return an integrator whose error in each interval is so small that the run has the requested
-    accuracy.
+    """Return an integrator with such small errors that the run has the requested accuracy.
 
     Raises:
         ValueError: if the motion is so small that rounding error exceeds the requested accuracy.
@@ -278,8 +277,10 @@ def stepper_for(scene: Scene, settings: Settings, plan: Plan) -> Extrapolation:
 
 
 def time_scale(scene: Scene) -> float:
-    """Return the time scale of the motion: 1/omega of the fastest bending mode of the straight
-    chain, at most 1, in scene units.
+    """Return the time scale of the motion, in scene units.
+
+    It is 1/omega with the angular frequency omega of the straight wire's fastest bending mode, but
+    at most 1.
     """
     if not (hinges := scene.effects.hinges):
         return 1.0
@@ -294,12 +295,13 @@ def time_scale(scene: Scene) -> float:
 
 
 def motion_scale(scene: Scene, start: State) -> float:
-    """Return the scale of a motion's errors: the relative rate that a free bristle reaches, at most
-    1, in scene units.
+    """Return the angular velocity (scene units) to which the errors of a motion are relative.
 
-    A bristle of natural frequency w that is released at rest at the angle a reaches the rate a w.
-    The scale is 1 for a bristle that does not move and for several links. With an obstacle the
-    scale is 1 too, because the bar gives the bristle a rate of the order of the hub's speed.
+    For a single rigid bristle without obstacles it is the largest angular velocity relative to the
+    hub that the bristle reaches, but at most 1. A bristle of natural frequency w that is released
+    from rest at the angle a reaches the angular velocity a w. The scale is 1 for a bristle that
+    does not move, and for several links. With an obstacle it is 1 too, because the bar gives the
+    bristle an angular velocity of the order of the hub's.
     """
     mechanism = scene.mechanism
     effects = scene.effects
@@ -317,7 +319,7 @@ def check_start(scene: Scene, tool: Tool, start: State) -> None:
     """Check that no bristle overlaps an obstacle or another bristle at the start.
 
     Raises:
-        ValueError: if one does; the message states the overlap, m.
+        ValueError: if there is an overlap; the message states its depth (m).
     """
     poses = scene.mechanism.poses(start)
     for pair in scene.effects.pairs:

@@ -1,6 +1,4 @@
-"""A run as a sequence of snapshots: the state and the contacts at the end of each interval and
-after each decision about contacts.
-"""
+"""A run as a sequence of snapshots: state and contacts after each interval and each decision."""
 
 from __future__ import annotations
 
@@ -30,11 +28,11 @@ class ContactState:
         obstacle: ``bar`` or ``workpart``.
         link: number of the link in contact, from 1 at the root.
         mode: ``stick``, ``slip +`` or ``slip -`` (the sense of the tangential velocity),
-            ``at rest``, or ``frictionless``. For a compliant contact, the phase of its
-            spring comes first: ``loading,``, ``unloading,`` or ``at rest,``.
-        normal_force: normal force on the wire, N; None where a contact without a spring begins at
-            this instant.
-        tangential_force: tangential force on the wire, N; None where ``normal_force`` is None.
+            ``at rest``, or ``frictionless``. For a compliant contact the phase of its spring is
+            written first: ``loading,``, ``unloading,`` or ``at rest,``.
+        normal_force: normal force on the wire, N; None for a contact without a spring that begins
+            at this instant.
+        tangential_force: tangential force on the wire, N; None if ``normal_force`` is None.
     """
 
     obstacle: str
@@ -51,8 +49,10 @@ class ContactState:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A run at the end of an interval, or after the decision on the event that ended the interval;
-    SI units and radians.
+    """State and contacts of a run at an instant, in SI units.
+
+    The instant is the end of an interval. If an event has ended the interval, a second snapshot at
+    the same time follows, after the decision on the event.
 
     Attributes:
         time: time, s.
@@ -60,10 +60,10 @@ class Snapshot:
         rates: absolute angular velocity of each link, rad/s.
         contacts: the active contacts with their forces.
         event: kind of the event that ended the interval, in words. It is empty if no event ended
-            the interval, and in the snapshot after a decision, which has the same time.
-        events: names of the events that the trajectory has recorded since the last snapshot.
-        impacts: records of the impacts, and of the contacts that ended, since the last snapshot.
-        stop_reason: reason why the run stops here; None while it goes on.
+            the interval, and in the snapshot after a decision.
+        events: names of the events that the trajectory has recorded since the previous snapshot.
+        impacts: records of impacts, and of contacts that ended, since the previous snapshot.
+        stop_reason: reason why the run stops here; None if it continues.
     """
 
     time: float
@@ -97,15 +97,15 @@ def snapshots(
 
     :func:`bristle_sim.simulate` computes the same intervals. The first snapshot is the start of the
     run, the last one its end. Each snapshot is computed when it is requested, so the caller may
-    stop anywhere.
+    stop after any of them.
 
     Args:
         tool, settings, start_hub_angle, start_relative_angle, start_relative_rate, stop_after: as
             for ``simulate``.
 
     Raises:
-        ValueError: as for ``simulate``. Bad input raises it at once. A first contact that the
-            contact law cannot resolve raises it during the run.
+        ValueError: as for ``simulate``. It is raised by the call itself for invalid input, and
+            during the run if the contact law cannot resolve the first contact.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, _ = prepare(tool, settings, begin, stop_after=stop_after)
@@ -113,7 +113,7 @@ def snapshots(
 
 
 def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:
-    """Yield the snapshots of a system's run."""
+    """Yield the snapshots of a prepared run."""
     recording = system.recording
     event_count = record_count = 0
     for motion, event in run(system):

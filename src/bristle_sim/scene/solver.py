@@ -2,37 +2,40 @@
 
 Several links are corrected together by one linear solve, a single link in closed form.
 
-**Joints.** The engine corrects one joint after the other. A chain of n links would need some 16 n^2
-iterations of this. Here one iteration of the engine is enough, because the solver replaces the
-engine's velocities v by the nearest velocities that obey the joints. Nearness is measured by the
-kinetic energy, so the impulses that the engine has applied at joints do not matter. The velocities
-that obey the joints follow from the links' rates:
+**Joints.** The engine corrects one joint after the other, and would need some 16 n^2 iterations for
+a chain of n links. Here one iteration of the engine is enough, because the solver replaces the
+engine's velocities v by the nearest velocities that obey the joints. The distance of two velocities
+is the kinetic energy of their difference. Joint impulses do not change which velocities are
+nearest, so those that the engine has applied have no effect. The velocities v_k of the mass centres
+that obey the joints follow from the links' angular velocities w_j:
 
-    v_k = v_root + sum_j g_kj i E_j rate_j,    E_j = e^{i angle_j}.
+    v_k = v_root + sum_j g_kj i E_j w_j,    E_j = e^{i angle_j}.
 
-At the angle 0, g_kj is the vector from the joint of link j to the next joint (j < k) or to the
-link's centre (j = k). B holds the derivatives of the velocities with respect to the rates, and M
-the masses. The nearest rates are the solution of
+For links at angle 0, g_kj is the vector from the joint of link j to its tip (j < k) or to its mass
+centre (j = k). B is the matrix of the derivatives of v and w with respect to w, and M is the matrix
+of masses and moments of inertia. The nearest angular velocities are the solution of
 
-    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 w_0.
+    (B^T M B + s C) w = B^T M (v - v_root) + s c_0 w_0.
 
-The terms with the time s are the implicit damping: C is the damping matrix of belt and hinges, c_0
-the belt's damping for the first link of a wire and 0 for the others, w_0 the hub's speed.
+The terms with the time s are the implicit damping. C is the damping matrix of belt and hinges, c_0
+the belt's damping for the first link of a wire and 0 for the others, and w_0 the hub's angular
+velocity.
 
-**Symmetric steps.** In a plain step s is the step. In a symmetric step v is the mean of old and new
-velocities, and s is half the step. Joints and damping are then satisfied at the midpoint. With
-positions half a step ahead, the error of an even number of symmetric steps has only even powers of
-the step (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, sec. II.4 and V.1).
+**Symmetric steps.** In a plain step s is the length of the step. In a symmetric step v is the mean
+of the velocities before and after the step, and s is half its length. Joints and damping are then
+satisfied at the midpoint. With positions half a step ahead, the error of an even number of
+symmetric steps has only even powers of the step (Hairer, Lubich and Wanner, *Geometric Numerical
+Integration*, sec. II.4 and V.1).
 
-**Contacts.** Sustained contacts add the impulses p that keep their points in contact. The rows R
-give the contact velocities that must be zero: the normal velocities, and the slip velocities in
-stick. The rows Q give the directions in which the impulses act, friction included. Then
+**Contacts.** The impulses p at sustained contacts keep the contacts closed. The rows R give the
+contact velocities that must be zero: the normal velocities, and the slip velocities in stick. The
+rows Q give the directions in which the impulses act, friction included. Then
 
-    (R M^-1 Q^T) p = -R rates - u,    change of the rates = M^-1 Q^T p,
+    (R M^-1 Q^T) p = -R w - u,    change of w = M^-1 Q^T p,
 
-where M is now the mass matrix in the rates, with damping, and u holds the contact velocities that
-the motion of the roots causes. For a single link with one contact all of these are numbers;
-matrices would make a pass 2.5 times as slow.
+where M is now the matrix B^T M B + s C from above, and u holds the contact velocities that the
+motion of the roots causes. For a single link with one contact all of these are numbers; with
+matrices a run would take 2.5 times as long.
 """
 
 from __future__ import annotations
@@ -50,25 +53,25 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Complexes, Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, FixedPair, contact_rows
 
-# least singular value that counts, over the largest one; a smaller one is rounding error, because a
-# contact repeats the constraint of joints or other contacts
+# Singular value, as a fraction of the largest one, below which it is zero: a contact repeats the
+# constraint of joints or of other contacts.
 DEPENDENT = 1e-12
 
-# iterations of Newton's method: an error of 1e-3 falls to 1e-6, 1e-12 and then rounding error
+# Number of iterations of Newton's method. They reduce an error of 1e-3 to 1e-6, 1e-12 and then
+# rounding error.
 NEWTON_ROUNDS = 3
 
 LEAST_LEVER = 1e-6
-"""Shortest lever of the contact normal about the link's joint, over the link's length, with which a
-rotation of the link can close a gap."""
+"""Shortest lever of the contact normal about the link's joint, as a fraction of the link's length,
+at which a rotation of the link can close a gap."""
 
 CLOSED_GAP = 1e-10
-"""Gap, over the link's length, below which Newton's method ends: a further iteration would change
-the angular velocity by less than any requested accuracy."""
+"""Gap, as a fraction of the link's length, below which Newton's method ends. A further iteration
+would change the angular velocity by less than any requested accuracy."""
 
 
 class WireVelocities:
-    """Corrects the velocities of all links after each engine step, so that they obey joints and
-    contacts.
+    """Corrects all links' velocities after each engine step, to obey joints and contacts.
 
     Attributes:
         symmetric: whether the steps are symmetric in time.
@@ -83,7 +86,14 @@ class WireVelocities:
         hub: pymunk.Body | None,
         bodies: Any,
     ) -> None:
-        """Prepare the corrections; ``bodies`` is the ``build.Placer`` of hub and links."""
+        """Prepare the corrections.
+
+        Args:
+            mechanism: the mechanism.
+            damping: damping of the torsion springs of one wire, first that of the belt.
+            hub: the hub's body; None without a hub.
+            bodies: the ``build.Placer`` of hub and links.
+        """
         from scipy.linalg.lapack import dposv  # imported where it is needed only
 
         self._solve = dposv
@@ -113,20 +123,20 @@ class WireVelocities:
         self._old = self._motion.copy()
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
-        """Keep the given sustained contacts closed from now on."""
+        """Keep the given sustained contacts closed in all further steps."""
         self._contacts = contacts
         self._pairs = [each.pair for each in contacts]
         self._stuck = [index for index, each in enumerate(contacts) if each.slip == 0]
         self._ratios = np.array([-each.pair.friction * (each.slip or 0) for each in contacts])
 
     def set_back(self, state: State) -> State:
-        """Return the nearest state in which all contacts are closed and their gaps do not change,
-        by Newton's method.
+        """Return the nearest state in which all contacts are closed and their gaps do not change.
 
-        The distance between states is measured by the mass matrix M. With the Jacobian J of the
-        contacts and their gaps g, the angles change by -M^-1 J^T (J M^-1 J^T)^-1 g. The angular
-        velocities change by the same expression with the normal velocities for g. In contacts that
-        stick the slip velocity is removed too.
+        It is found by Newton's method. The distance between states is measured by the mass matrix
+        M. With the Jacobian J of the contacts and their gaps g, the change of the angles is
+        -M^-1 J^T (J M^-1 J^T)^-1 g. The change of the angular velocities is the same expression,
+        with the normal velocities instead of g. In contacts that stick the slip velocity is removed
+        too.
         """
         mechanism = self._mechanism
         contacts = self._contacts
@@ -145,13 +155,16 @@ class WireVelocities:
         return State(time, tuple(angles.tolist()), tuple(rates.tolist()))
 
     def begin_symmetric(self) -> None:
-        """Make the steps from now on symmetric in time; they start from the present velocities."""
+        """Make all further steps symmetric in time; they start from the present velocities."""
         self._bodies.keep()
         self._old[:] = self._motion
         self.symmetric = True
 
     def solve(self, step: float) -> None:
-        """Correct the bodies' velocities after an engine step to obey joints and contacts."""
+        """Correct the bodies' velocities after an engine step to obey joints and contacts.
+
+        ``step`` is the length of the step.
+        """
         self._bodies.keep()
         motion = self._motion
         old = self._old
@@ -176,7 +189,7 @@ class WireVelocities:
             time: time for which damping acts, in scene units.
 
         Returns:
-            The mass matrix in the links' angles plus ``time`` times the damping matrix.
+            The mass matrix plus ``time`` times the damping matrix, in the links' angles.
         """
         constants = self._mechanism.constants
         places = self._roots * cmath.exp(1j * self._hub[2])
@@ -196,9 +209,11 @@ class WireVelocities:
         return np.asarray((values.reshape(-1, len(matrix)) @ matrix).ravel())
 
     def _close_contacts(self, turn: Complexes, matrix: Array) -> None:
-        """Add the impulses that keep the contacts closed to the velocities, and record them.
+        """Apply the impulses that keep the contacts closed, and record them.
 
-        ``turn`` is e^{i angle} of each link, ``matrix`` the mass matrix with damping.
+        Args:
+            turn: e^{i angle} of each link.
+            matrix: the mass matrix with damping, as returned by ``_close_joints``.
         """
         mechanism = self._mechanism
         stuck = self._stuck
@@ -225,7 +240,7 @@ class WireVelocities:
         self.impulses.append(np.array([push, rub, slips + tangents @ change]).T.tolist())
 
     def _closest(self, turn: Complexes, contact: ClosedPair) -> ClosestApproach:
-        """Return where a contact's link is closest to its obstacle.
+        """Return the closest approach of a contact's link and obstacle.
 
         It is computed from the bodies' positions in the engine, which drift off the joints slightly
         within an interval. ``turn`` is e^{i angle} of each link.
@@ -246,8 +261,14 @@ class WireVelocities:
 
 
 def _nearest(mass: Array, rows: Array, amounts: Array) -> Array:
-    """Return the smallest change of angles or rates, measured by the mass matrix, that changes
-    gaps or velocities by given amounts; ``rows`` is the Jacobian of these.
+    """Return the smallest change x of angles or angular velocities with J x = ``amounts``.
+
+    The size of x is measured by the mass matrix.
+
+    Args:
+        mass: the mass matrix.
+        rows: Jacobian J of the gaps or velocities.
+        amounts: changes of the gaps or velocities.
     """
     response = np.linalg.solve(mass, rows.T)
     return np.asarray(response @ np.linalg.lstsq(rows @ response, amounts, rcond=DEPENDENT)[0])
@@ -260,8 +281,7 @@ _set_velocity = lib.cpBodySetVelocity
 
 
 class LinkVelocity:
-    """Corrects the rate of a single link after each engine step, so that its one contact stays
-    closed.
+    """Corrects a single link's angular velocity after each engine step, to keep a contact closed.
 
     Attributes:
         impulses: for each step, a list with one entry for the contact: (normal impulse, tangential
@@ -288,7 +308,7 @@ class LinkVelocity:
         self.impulses: list[list[tuple[float, float, float]]] = []
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
-        """Keep one sustained contact closed from now on; ``contacts`` holds this contact alone."""
+        """Keep a contact closed in all further steps; ``contacts`` holds this contact alone."""
         (contact,) = contacts
         pair = contact.pair
         assert isinstance(pair, FixedPair), "a single link has no neighbour"
@@ -297,7 +317,10 @@ class LinkVelocity:
         self._ratio = -pair.friction * (contact.slip or 0)
 
     def set_back(self, state: State) -> State:
-        """Return the state after a rotation that closes the contact's gap and stops its change."""
+        """Return the state after a rotation of the link that closes the gap of the contact.
+
+        The angular velocity is changed too, so that the gap does not change.
+        """
         time, (angle,), (rate,) = state
         joint = self._root * rect(1.0, self._mechanism.root_angle(time))
         start, end = self._line
@@ -315,13 +338,17 @@ class LinkVelocity:
         return State(time, (angle,), (rate,))
 
     def solve(self, step: float) -> None:
-        """Correct the link's rate after an engine step so that the contact stays closed; the belt's
-        damping is integrated implicitly.
+        """Correct the link's angular velocity after an engine step, to keep the contact closed.
 
-        The engine step has applied the belt's spring and has already made the link obey its joint.
-        With the levers l_n and l_t of normal and tangent about the joint, the joint's normal
-        velocity u_n, the moment of inertia I about the joint, and the friction f p of the normal
-        impulse p, the contact stays closed if u_n + l_n (rate + (l_n + f l_t) p/I) = 0.
+        The engine step has already applied the belt's spring and made the link obey its joint. The
+        belt's damping is integrated implicitly here. The contact stays closed if
+
+            u_n + l_n (w + (l_n + f l_t) p/I) = 0,
+
+        with the joint's normal velocity u_n, the levers l_n and l_t of normal and tangent about the
+        joint, the angular velocity w before the correction, the normal impulse p, the tangential
+        impulse f p, and the moment of inertia I about the joint. ``step`` is the length of the
+        step.
         """
         body = self._body
         speed = self._speed

@@ -2,8 +2,8 @@
 
 The force law is that of :mod:`bristle_sim.theory.contact_spring`. A contact that is rigid along the
 surface has no tangential spring. Its tangential force in stick, -(K_nt N + v_t/h)/K_tt, stops the
-contact point within each engine step h; N is the normal force, v_t the slip velocity, and K the
-contact-space inverse mass matrix.
+contact point within one engine step of length h. N is the normal force, v_t the slip velocity, and
+K the contact-space inverse mass matrix.
 """
 
 from __future__ import annotations
@@ -21,15 +21,14 @@ from bristle_sim.scene.spring import SpringContact
 
 
 class SpringForce:
-    """The force of a contact's springs on a corner of a link during one phase, with its impulse and
-    work.
+    """The force of a contact's springs on the tip or knee of a link, with its impulse and work.
 
-    The tangential force T in stick cancels, in each step h, the slip velocity that the step before
-    has left. In slip at rest T cancels the normal velocity v_n instead: T = -(K_nn N + v_n/h)/K_nt,
-    with the normal force N and the contact-space inverse mass matrix K. The force of a step thus
-    belongs to the end of the step before: the second step gives the force at the interval's
-    beginning, and one step after the last would give the force at its end. The errors of both
-    forces are power series in h, so extrapolation removes them.
+    The tangential force T in stick cancels, in each step of length h, the slip velocity that
+    remains from the previous step. In slip at rest T cancels the normal velocity v_n instead:
+    T = -(K_nn N + v_n/h)/K_nt, with the normal force N and the contact-space inverse mass matrix K.
+    The force of a step is therefore that at the end of the previous step. The force of the second
+    step is taken for that at the interval's beginning, and the force of a further step for that at
+    its end. The errors of both forces are power series in h, so extrapolation removes them.
 
     Attributes:
         totals: function that returns the contact's forces, impulses and work, in the order of
@@ -48,8 +47,10 @@ class SpringForce:
         self.totals: Callable[[], list[float]] = list
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Reset impulse and work; return the callback that applies the force of the present phase
-        before each step.
+        """Set impulse and work to zero, and return the function that applies the force.
+
+        The integrator calls this function before each step; ``step`` is the length of a step. The
+        force is that of the present phase.
         """
         spring = self._spring
         push = self._push
@@ -73,7 +74,7 @@ class SpringForce:
         rubs: list[float] = []
 
         def act() -> None:
-            """Apply the force of this step, and add its impulse and work to the totals."""
+            """Apply the force of one step, and add its impulse and work to the sums."""
             nonlocal pushes, loss, heat
             place = place_of()
             velocity = velocity_of()
@@ -119,8 +120,8 @@ class ContactLoad:
     def begin(self, step: float, *, symmetric: bool = False) -> Callable[[], None]:
         """Set impulses and work to zero, and return the function that applies the forces.
 
-        The integrator calls this function before each time step of the length ``step``. With
-        springs no step is symmetric in time.
+        The integrator calls this function before each step; ``step`` is the length of a step.
+        ``symmetric`` must be False, because with springs no step is symmetric in time.
         """
         assert not symmetric
         begun = [each.begin(step) for each in self._parts]
@@ -140,13 +141,14 @@ class ContactLoad:
         return [number for each in self._parts for number in each.totals()]
 
     def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether a rigid contact would have to pull."""
+        """Return whether a rigid contact would have to pull to stay closed."""
         return self._rigid is not None and self._rigid.fails(totals)
 
 
 def follow_bodies(scene: Scene, state: State, spring: SpringContact) -> None:
-    """Update a spring's inverse mass matrix from the bodies' positions, in stick and in slip at
-    rest, where the tangential force depends on it.
+    """Update the inverse mass matrix of a contact with a spring from the bodies' positions.
+
+    It is updated in stick and in slip at rest only, since the tangential force depends on it there.
     """
     if spring.at_rest or not spring.slip:
         spring.inverse_mass = contact_at(scene.mechanism, state, spring.pair).inverse_mass

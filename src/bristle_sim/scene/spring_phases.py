@@ -18,31 +18,35 @@ from bristle_sim.scene.spring_force import ContactLoad, follow_bodies
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = 1e-5
-"""Largest speed of approach at which compression ends where slip stops, over the speed of approach
-at the first touch. A link with one degree of freedom stops both at the same instant, except for its
-motion during the contact."""
+"""Approach speed at the end of slip, as a fraction of the approach speed at the first touch, up to
+which compression ends together with slip. Slip and approach of a link with one degree of freedom
+end at the same instant, except for the effect of its motion during the contact."""
 
 LEAST_UNLOADING = 1e-5
-"""Least fraction of the unloading that must be left for a contact to go on where slip starts or
-stops. With less, only 1e-10 of the impulse is left, and the force is so small that rounding error
-of the tip's position would start and stop slip endlessly."""
+"""Fraction of the unloading that remains when slip starts or stops, below which the contact ends.
+Only 1e-10 of the impulse then remains, and the force is so small that rounding error of the tip's
+position would start and stop slip endlessly."""
 
 PROBED_FRACTION = 0.02
-"""Length of the short interval that yields the force in stick where slip stops, over the contact's
-duration."""
+"""Length of the trial interval from which the force in stick is computed when slip stops, as a
+fraction of the contact's duration."""
 
 CONE_ROUNDING = 1e-9
-"""Largest ratio of excess to friction limit at which a force in stick that exceeds the limit counts
-as within rounding error."""
+"""Excess of a force in stick over the friction limit, as a fraction of the limit, up to which it is
+rounding error."""
 
 
 def begin_spring(
     system: System, motion: Motion, pair: ContactPair, press: float = 0.0
 ) -> SpringContact | None:
-    """Return a new contact with a spring that begins at the present state; None if the touch is an
-    impact.
+    """Return a new contact with a spring that begins now; None if the touch is an impact.
 
-    ``press`` is the acceleration at which a contact point at rest would approach the obstacle.
+    Args:
+        system: the run.
+        motion: the motion before the touch.
+        pair: the link and the obstacle that touch.
+        press: acceleration (engine units) at which the contact point, if it were at rest, would
+            approach the obstacle.
     """
     law = system.law_of(pair)
     if not isinstance(law, CompliantLaw):
@@ -54,13 +58,12 @@ def begin_spring(
 
 
 def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringContact | None:
-    """Return a new contact with a spring for a tip that is left at rest on the surface; None if no
-    force presses the tip against it.
+    """Return a new contact with a spring for a tip that rests on the surface after a contact.
 
-    The tip is that of a wire of one link whose last contact has just ended. A static load
-    compresses the spring by the load over the stiffness. Where the belt is the load and the contact
-    is not very short, this compression exceeds the accuracy. Without restitution the spring is
-    compressed again after each contact.
+    Return None if no force presses the tip against the surface, or if the wire has several links. A
+    static load F compresses a spring of stiffness k by F/k. If the load is that of the belt and the
+    contact is not very short, this compression exceeds the requested accuracy, so the tip cannot be
+    treated as a rigid contact. Without restitution, one contact with a spring follows the other.
     """
     own = set(system.wires_of(pair))
     coupled = any(own & set(system.wires_of(contact.pair)) for contact in motion.contacts)
@@ -73,7 +76,7 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
 
 
 def look_up_slip(system: System, motion: Motion, spring: SpringContact) -> None:
-    """Let the contact point slip in the sense of its velocity, or stick; record the new phase."""
+    """Set whether a contact point slips, and in which sense, or sticks; record the new phase."""
     slip = system.closest(spring.pair, system.state).velocity[1]
     if abs(slip) > system.slip_error(spring.start) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
@@ -85,10 +88,10 @@ def look_up_slip(system: System, motion: Motion, spring: SpringContact) -> None:
 def change_spring(
     system: System, motion: Motion, spring: SpringContact, kind: Kind
 ) -> Outcome | None:
-    """Change a contact to its next phase after an event.
+    """Change the phase of a contact with a spring after an event of the given kind.
 
     Returns:
-        The contact's outcome, or None if the contact goes on.
+        The contact's outcome if it ends; None if it continues.
     """
     before = (spring.loading, spring.slip)
     penetration = spring.penetration(system.closest, system.state)
@@ -115,7 +118,7 @@ def change_spring(
 
 
 def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -> Outcome | None:
-    """Apply an event to a contact; return the contact's outcome, or None if the contact goes on."""
+    """Apply an event to a contact, and return its outcome; None if the contact continues."""
     penetration = spring.penetration(system.closest, system.state)
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         # The force of a tangential spring begins its next oscillation at the friction of compression.
@@ -160,10 +163,10 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
 
 
 def _end_compression(system: System, motion: Motion, spring: SpringContact) -> Outcome | None:
-    """Begin unloading, and decide whether slip that has stopped starts again; return the contact's
-    outcome, or None if the contact goes on.
+    """Begin unloading, and return the contact's outcome if it ends; None if it continues.
 
-    A contact without restitution ends here.
+    A contact without restitution ends with compression. In a contact that continues, slip that has
+    stopped may start again.
     """
     spring.unload(spring.penetration(system.closest, system.state))
     if spring.law.restitution == 0.0:
@@ -177,15 +180,15 @@ def _end_compression(system: System, motion: Motion, spring: SpringContact) -> O
 
 
 def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> bool:
-    """Return whether the contact point stays at its greatest depth for a while, slipping.
+    """Return whether the phase "slip at rest" begins: slip at the greatest depth for some time.
 
-    Friction then holds the normal velocity at zero. This happens where the friction of restitution
-    would press the contact point deeper and the friction of compression would lift it. Neither
-    unloading nor further loading is then consistent, so the friction force is between the two. If
-    friction presses the point into the surface, the friction of restitution is the larger one. If
-    the other bodies press it in against friction, the friction of restitution is the smaller one.
-    With a tangential spring the force oscillates between the two; the mean of a fast oscillation is
-    the same.
+    The friction force then keeps the normal velocity at zero. The phase begins if the friction of
+    restitution would press the contact point deeper, while the friction of compression would lift
+    it. Neither unloading nor further loading is then consistent, so the friction force is between
+    these two values. If friction presses the point into the surface, the friction of restitution is
+    the larger value. If other bodies press the point in and friction lifts it, the friction of
+    restitution is the smaller value. With a tangential spring the force oscillates between the two
+    values; the mean of a fast oscillation is the same friction force.
     """
     coupling = spring.inverse_mass[0][1]
     law = spring.law
@@ -209,9 +212,10 @@ def _ends_in_stiction(system: System, spring: SpringContact) -> bool:
 
 
 def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
-    """Decide whether the contact point sticks where slip has stopped.
+    """Decide whether the contact point sticks after its slip has stopped.
 
-    It sticks if friction suffices, and otherwise slips in the sense in which it is driven.
+    It sticks if the force in stick is within the friction limit. Otherwise it slips in the sense in
+    which the other forces drive it.
     """
     if spring.elastic:
         _settle_foot(system, motion, spring)
@@ -236,11 +240,10 @@ def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
 def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
     """Decide whether the foot of the tangential spring, its attachment to the surface, slides.
 
-    The foot slides if the spring's force is on the edge of the friction cone and would leave the
-    cone. It would leave the cone if the foot's velocity has the sense of slip that the force
-    opposes. A velocity smaller than its error counts as zero; a short trial integration under all
-    forces, with this contact's force on the cone's edge, then shows the sense in which the velocity
-    grows.
+    The foot slides if the spring's force is on the edge of the friction cone and would otherwise
+    leave the cone. The force would leave the cone if the foot's velocity has the sense of slip that
+    the force opposes. If the velocity is smaller than its error, a short trial integration with the
+    force on the cone's edge gives the sense in which the velocity grows.
     """
     pair = spring.pair
     touch = system.closest(pair, system.state)
@@ -259,7 +262,7 @@ def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
 
 
 def _probe(system: System, motion: Motion, spring: SpringContact) -> tuple[IntervalResult, Sums]:
-    """Integrate over a short part of a contact in its present phase.
+    """Integrate over a short trial interval, with the contact in its present phase.
 
     Returns:
         The result of the interval, and the contact's forces, impulses and work in it.

@@ -1,6 +1,4 @@
-"""A single contact of a chain of rods or of a wire that bends, and the natural frequencies of the
-wire.
-"""
+"""A single contact of a chain of rods or of a flexible wire, and the wire's natural frequencies."""
 
 from __future__ import annotations
 
@@ -33,8 +31,8 @@ from bristle_sim.units import shown
 class Chain:
     """A chain of uniform rods at the instant of impact; SI units.
 
-    Angles and rates are absolute and positive in the hub's sense of rotation. An angle is measured
-    from the direction that points at the surface.
+    Angles and angular velocities are absolute, and positive in the hub's sense of rotation. At
+    angle 0 a rod points straight at the surface.
 
     Attributes:
         masses: masses of the rods (kg) in order from the root.
@@ -43,7 +41,7 @@ class Chain:
         rates: angular velocities of the rods, rad/s.
         hub_radius: radius of the hub that carries the root, m; 0 for a fixed root.
         hub_speed: angular velocity of the hub, rad/s.
-        hub_angle: angle of the root on the hub, rad.
+        hub_angle: angle of the radius from the hub's centre to the root, rad.
     """
 
     masses: tuple[float, ...]
@@ -57,10 +55,10 @@ class Chain:
 
 @dataclass(frozen=True, slots=True)
 class ChainStrike:
-    """A contact of a chain of rods or of a wire, with the motion from the first touch on; SI units.
+    """A contact of a chain of rods or of a wire, with the motion since the first touch; SI units.
 
     Attributes:
-        contact: the contact record, with its history if it is simulated over its duration.
+        contact: the contact record, with its history if the contact is simulated over its duration.
         time: times of the samples, s.
         angles: absolute angles of the links (rad), shape (samples, links).
         centre_line: positions of root, knee, joints and tip at each sample, (x, y) from the hub's
@@ -80,7 +78,7 @@ class ChainStrike:
 
     @property
     def kinetic_energy_ratio(self) -> float | None:
-        """Last kinetic energy over the kinetic energy at the first touch; None for a chain at rest."""
+        """Final kinetic energy divided by that at the first touch; None for a chain at rest."""
         first, last = self.kinetic_energy[[0, -1]].tolist()
         return last / first if first else None
 
@@ -88,7 +86,7 @@ class ChainStrike:
 def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> ChainStrike:
     """Simulate the impact of a chain whose last rod touches a surface with its tip.
 
-    A tip that does not approach the surface leaves it at once, whatever the contact law.
+    With any contact law, a tip that does not approach the surface leaves it at once.
 
     Args:
         chain: the rods at the instant of impact.
@@ -124,15 +122,19 @@ def _in_si(
     )
 
 
-SLOWEST_RATE = 1e-300  # least rate, rad/s, whose reciprocal can serve as the unit of time
+# Least angular velocity (rad/s) from which the unit of time is derived. The reciprocal of a smaller
+# one is not a floating-point number.
+SLOWEST_RATE = 1e-300
 
 
 def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartPair, Units]:
     """Build the scene of a chain whose tip is on the surface.
 
     Returns:
-        The scene, the state at the instant of the impact, the pair of tip and surface, and the
-        scene's units.
+        The scene.
+        The state at the instant of the impact.
+        The pair of tip and surface.
+        The units of the scene.
     """
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
     units = Units(
@@ -175,7 +177,8 @@ def struck(
         law: contact law.
 
     Returns:
-        The contact's record, and the samples of the motion, from the first touch to the end.
+        The contact record.
+        The samples of the motion from the first touch to the end of the contact.
 
     Raises:
         ValueError: if a contact with a spring does not end.
@@ -213,24 +216,26 @@ def strike_wire(
     duration: float,
     flight: float = 0.0,
 ) -> ChainStrike:
-    """Simulate the contact of a wire whose end strikes a workpart of finite contact stiffness.
+    """Simulate the contact of a wire whose tip strikes a workpart of finite contact stiffness.
 
-    The contact is a spring of stiffness k while the penetration grows, and of stiffness k/e*^2
-    otherwise. The belt and the bending of the wire act during the contact.
+    The contact is a spring of stiffness k in loading and of stiffness k/e*^2 in unloading. The belt
+    and the bending of the wire act during the contact.
 
     Args:
-        tool: tool with a workpart, whose surface is moved to the wire's end; its bar is left out.
+        tool: tool with a workpart, whose surface is moved to the wire's tip. The tool's bar is
+            ignored.
         hub_angle: angle psi of the hub at the first touch, rad.
         angles: absolute angles of the links at the first touch, rad.
-        rates: absolute rates of the links at the first touch, rad/s.
-        stiffness: stiffness of the contact in compression, N/m.
+        rates: absolute angular velocities of the links at the first touch, rad/s.
+        stiffness: stiffness k of the contact in compression, N/m.
         settings: numerical settings.
         duration: expected duration of the contact, s. The samples are at most 1/24 of this duration
-            apart. The contact of a rigid bristle is ended after ten times this duration.
+            apart. For a rigid bristle the simulation ends the contact after ten times this
+            duration.
         flight: duration of the free motion that is simulated after the release, s.
 
     Raises:
-        ValueError: if the wire's end does not approach the workpart, or the contact does not end.
+        ValueError: if the wire's tip does not approach the workpart, or the contact does not end.
     """
     begin = clock.perf_counter()
     part = tool.workpart
@@ -273,22 +278,24 @@ def strike_wire(
     return _in_si(scene, units, record, states, begin)
 
 
-# angle by which one link is turned, rad; the mass matrix changes by the fraction 5e-17, less than
-# rounding error
+# Angle (rad) by which one link is rotated. It changes the mass matrix by the fraction 5e-17, which
+# is less than rounding error.
 SMALL_ANGLE = 1e-8
 SHORT_STEP = 1e-8
-"""Length of the single step from rest, in scene time units; the rates after the step are
-proportional to it."""
+"""Length of the single step from rest, in scene time units. It is so short that the angular
+velocities after the step are proportional to it."""
 
 
 def wire_frequencies(tool: Tool) -> Array:
-    """Return the natural frequencies of a tool's undamped wire on a hub at rest (Hz) in ascending
-    order, shape (links,).
+    """Return the natural frequencies (Hz) of a tool's undamped wire on a hub at rest.
 
-    They follow from the eigenvalues of M^-1 K, with the mass matrix M and the stiffness matrix K of
+    They follow from the eigenvalues of M^-1 K, with the mass matrix M and the stiffness matrix K in
     the links' angles. Each link in turn is set at a small angle, and one engine step is taken from
-    rest. The rates of all links after the step, divided by the angle and by the step, are a column
-    of -M^-1 K, because the engine changes the rates before any link has moved.
+    rest. The angular velocities of all links after the step, divided by the angle and by the step's
+    length, are a column of -M^-1 K, because the engine has not moved any link yet.
+
+    Returns:
+        The frequencies in ascending order, shape (links,).
     """
     straight = (0.0,) * tool.bristle.links
     undamped = dataclasses.replace(tool.bristle, bending_damping_ratio=0.0)

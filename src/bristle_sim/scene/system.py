@@ -18,22 +18,23 @@ from bristle_sim.scene.spring import SpringContact
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
-# largest distance between a contact and a link's end, over the link's length, at which the contact
-# counts as a contact of that end
+# Largest distance between a contact point and a link's end, as a fraction of the link's length, at
+# which the contact is one of that end.
 AT_JOINT = 1e-9
 
 GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in engine units
 
-# largest ratio of an interval after a contact to the interval before it: up to this ratio a
-# polynomial through the samples of both intervals is accurate
+# Largest ratio of an interval to the previous interval, after a change of contact. Up to this ratio
+# a polynomial through the samples of both intervals is accurate.
 MOST_GROWTH = 16.0
 
 SLOW_FRACTION = 1e-8
-"""Least speed of approach of an impact with restitution, over the speed of the fastest point.
-Without this bound, infinitely many ever smaller rebounds would follow each other in a finite time.
-"""
+"""Least approach speed of an impact with restitution, as a fraction of the speed of the fastest
+point. Without this bound, infinitely many ever smaller rebounds would follow each other in a finite
+time."""
 
-# smallest magnitude of a rate, acceleration or force that has a sign, in engine units
+# Smallest magnitude of an angular velocity, acceleration or force that is not rounding error, in
+# engine units.
 LEAST_VALUE = 1e-10
 
 
@@ -44,22 +45,22 @@ class Plan:
     Attributes:
         end: time at which the run ends.
         accuracy: requested relative accuracy.
-        stop_after: name of an event that ends the run; None without one.
+        stop_after: name of an event that ends the run; None without such an event.
         longest_interval: longest interval between samples.
         damped_interval: longest interval in which engine steps resolve damping.
         maximum_steps: largest number of engine steps; a step of a mechanism with many links counts
             several times.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
-        time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less where
+        time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less if
             hinges vibrate.
-        scale: scale of the motion's errors: the relative rate that a free bristle reaches, at most 1.
-        single_contact: whether the run is a study of a single contact, without events of the
-            motion's extremes.
-        instant: shortest time resolved; within it no force moves a link by more than the accuracy.
-        shortest: interval so short that a contact force that falls to zero within it counts as zero
-            from the interval's start.
-        first_interval: longest interval at the beginning of a contact, and lower bound of the limit
-            on later intervals.
+        scale: angular velocity to which the errors of the motion are relative, at most 1.
+        single_contact: whether the run simulates a single contact. Extremes of the motion are then
+            no events.
+        instant: shortest time resolved. No force moves a link by more than the accuracy within it.
+        shortest: length of an interval so short that a contact force that falls to zero within it
+            counts as zero from the interval's start.
+        first_interval: longest first interval of a contact. The bound on the following intervals
+            grows from it.
     """
 
     end: float
@@ -77,7 +78,7 @@ class Plan:
     first_interval: float = field(init=False)
 
     def __post_init__(self) -> None:
-        """Compute the plan's three short time intervals from the requested accuracy."""
+        """Compute the three short lengths of time from the requested accuracy."""
         self.instant = min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
         self.shortest = max(1e-9, 0.1 * self.accuracy) * self.time_scale
         longest = max(self.instant, self.longest_interval / MOST_GROWTH)
@@ -89,17 +90,17 @@ class Recording:
     """The record of a run, in engine units.
 
     Attributes:
-        states: samples of the motion; two samples at one time are the end of one smooth motion and
-            the start of the next.
+        states: samples of the motion; two samples at the same time are the end of one smooth motion
+            and the start of the next.
         forces: sum of the normal contact forces on each wire, for each of ``states``.
         events: events, each with the indices of its wires.
         contacts: contact records, each with the indices of its links.
         summed: sum of the error estimates of all intervals.
         error: estimated error of the last state.
-        lost: time of the impact after which the error is unknown, because it does not grow linearly
-            there; None without such an impact.
-        stop_reason: why the run has stopped; None while it goes on.
-        stop_detail: the contact law's explanation of the stop; empty without one.
+        lost: time of the impact after which the error is unknown, because the growth of the error
+            in this impact is not linear; None without such an impact.
+        stop_reason: why the run has stopped; None while it continues.
+        stop_detail: explanation of the stop by the contact law, or empty.
         begun_wall: wall clock at the beginning of the run, s.
         begun_cpu: processor time at the beginning of the run, s.
     """
@@ -124,15 +125,16 @@ class System:
         scene: the scene.
         mechanism: the scene's mechanism.
         plan: plan of the run.
-        pairs: the links and obstacles that can touch, each with its present surface: a tip in a
-            dent touches the bottom of the dent.
+        pairs: the pairs of link and obstacle that can touch. The surface of a pair may have a dent
+            from an earlier contact; the tip then touches the bottom of the dent.
         law: impact law of the workpart; the energetic law applies to all other pairs.
         state: the last state reached.
         flight: integrator of motion without contact springs.
         stepper: integrator of the present motion.
-        noise: smallest magnitude of a rate or an acceleration that has a sign.
+        noise: magnitude up to which an angular velocity or acceleration may be error, so that its
+            sign is unknown.
         recording: the record so far.
-        waiting: indices of the wires that have not had the event that ends the run.
+        waiting: indices of the wires that have not yet had the event ``stop_after``.
     """
 
     def __init__(
@@ -171,9 +173,7 @@ class System:
 
     @property
     def slow(self) -> float:
-        """Speed, in engine units, below which a contact point counts as neither approaching nor
-        rebounding.
-        """
+        """Speed (engine units) below which a contact point neither approaches nor rebounds."""
         return SLOW_FRACTION * self.mechanism.speed_bound(self.state)
 
     def law_of(self, pair: ContactPair) -> ContactLaw:
@@ -181,18 +181,18 @@ class System:
         return self.law if isinstance(pair, WorkpartPair) else ENERGETIC
 
     def follows_law(self, spring: SpringContact) -> bool:
-        """Return whether a contact with a spring ends as the impact law predicts.
+        """Return whether the impact law predicts how a contact with a spring ends.
 
-        It does so in the rigid-body limit, and in the study of a single contact of rigid links. In
-        any other contact the links may move noticeably while the spring acts.
+        It does so in the rigid-body limit, and in the simulation of a single contact of rigid
+        links. In any other contact the links may move noticeably while the spring acts.
         """
         single = self.plan.single_contact and not self.scene.effects.hinges
         return single or not spring.finite_duration
 
     def slip_error(self, fastest: State) -> float:
-        """Return the possible error of a slip velocity; a smaller slip velocity has no known sense.
+        """Return the possible error of a slip velocity; the sense of a smaller one is unknown.
 
-        ``fastest``: the state of the fastest motion, whose speed scales the error.
+        The error is proportional to the largest speed in the state ``fastest``.
         """
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 
@@ -201,16 +201,12 @@ class System:
         return pair.closest(self.mechanism.poses(state), state.rates)
 
     def along(self, pair: ContactPair, state: State) -> float:
-        """Return the x coordinate of the pair's contact point (along the workpart), in engine
-        units.
-        """
+        """Return the x coordinate (engine units) of a pair's contact point, along the workpart."""
         joint = self.mechanism.poses(state)[pair.link].joint
         return (joint + self.closest(pair, state).arm).real
 
     def approach(self, pair: ContactPair) -> float:
-        """Return the normal velocity of a pair's contact point, in engine units; it is negative in
-        approach.
-        """
+        """Return the normal velocity (engine units) of a contact point, negative in approach."""
         return self.closest(pair, self.state).velocity[0]
 
     def sample(
@@ -224,8 +220,8 @@ class System:
 
         Args:
             forces: normal force of each contact.
-            again: whether to replace only the forces of the last sample.
-            state: the state; by default the present one.
+            again: whether to replace the forces of the last sample instead of adding a sample.
+            state: the state; by default the present state.
         """
         sums = [0.0] * self.mechanism.wires
         for contact, force in forces.items():
@@ -252,8 +248,8 @@ class System:
         Args:
             name: name of the event.
             wires: indices of its wires.
-            lasts: whether the event is a touch that begins a contact with a spring; the run then
-                ends only when that contact is over.
+            lasts: whether the event is a touch that begins a contact with a spring. The run then
+                does not end before the contact does.
         """
         self.recording.events.append((Event(name, self.state.time), tuple(wires)))
         if name == self.plan.stop_after:
@@ -262,16 +258,16 @@ class System:
                 self.stop(StopReason.EVENT)
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
-        """End the run for a reason, with an optional explanation. Only the first reason is kept."""
+        """End the run for a reason, with an optional explanation; later reasons are ignored."""
         if self.recording.stop_reason is None:
             self.recording.stop_reason = reason
             self.recording.stop_detail = detail
 
     def neighbour(self, pair: ContactPair, step: int) -> BarPair | None:
-        """Return the pair of the bar and the neighbouring link of the same wire; None if there is
-        no such pair.
+        """Return the pair of the bar and the neighbouring link of the same wire.
 
-        ``step`` is 1 for the neighbour towards the tip, -1 for the neighbour towards the root.
+        Return None if there is no such pair. ``step`` is 1 for the neighbour towards the tip, -1
+        for the neighbour towards the root.
         """
         link = pair.link + step
         size = self.mechanism.wire_links
@@ -283,17 +279,16 @@ class System:
         )
 
     def behind_joint(self, pair: ContactPair, active: Sequence[ContactPair], end: State) -> bool:
-        """Return whether a link can touch the bar only at the joint that it shares with a neighbour
-        already in contact.
+        """Return whether a link can touch the bar only at a joint that is already in contact.
+
+        The link shares this joint with a neighbour in contact. The result is True if the joint is
+        the link's point closest to the bar at present and at ``end``, or if it is so at present and
+        the gap is closed. Otherwise the link may touch the bar at another point.
 
         Args:
             pair: the link and the bar.
             active: pairs in contact or separating.
             end: state at the end of the interval.
-
-        This holds if the link's point closest to the bar is that joint, now and at ``end``. If the
-        link is clear of the bar now, and another of its points is closest at ``end``, the link may
-        touch the bar at that other point.
         """
         if not self.mechanism.jointed or not isinstance(pair, BarPair):
             return False
@@ -310,8 +305,10 @@ class System:
         return False
 
     def at_joint(self, pair: ContactPair) -> ContactPair:
-        """Return the pair to which a touch is assigned. At a joint it is the pair of the link
-        nearer the root, whose round end lies there.
+        """Return the pair to which a touch is assigned.
+
+        If the link touches the bar at its joint, it is the pair of the neighbour nearer the root,
+        whose round end is at this joint. Otherwise it is ``pair`` itself.
         """
         lower = self.neighbour(pair, -1)
         if lower is None or not isinstance(pair, BarPair):

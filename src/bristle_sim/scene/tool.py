@@ -25,12 +25,12 @@ from bristle_sim.scene.pairs import BarPair, ContactPair, WirePair, WorkpartPair
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
 SLOWEST_MOTION = 1e-100
-"""Smallest rate (rad/s) from which the unit of time is derived. With a smaller one the unit of
-energy would be too small for a floating-point number."""
+"""Smallest angular velocity or angular frequency (rad/s) from which the unit of time is derived.
+With a smaller one the unit of energy would be too small for a floating-point number."""
 
 SHORTEST_PIECE = 1e-12
-"""Shortest straight segment of a link, over the wire's length. A knee that is closer to a joint is
-taken to be at the joint."""
+"""Shortest straight segment of a link, as a fraction of the wire's length. A knee that is closer to
+a joint is moved to the joint."""
 
 
 class Units:
@@ -65,7 +65,7 @@ class Units:
 class Row(Declared):
     """Several bristles in one plane on one hub, and the friction and restitution between them.
 
-    Each bristle lags the bristle before it by the pitch.
+    Each bristle lags the bristle in front of it by the angle ``pitch``.
     """
 
     bristles: int = count(1, "1 <= bristles <= 100: number of bristles [requested]")
@@ -89,9 +89,9 @@ ONE_BRISTLE = Row()  # no row: a single bristle
 def tool_units(tool: Tool) -> Units:
     """Return the units of a tool's scene.
 
-    They are the length and the mass of the bristle, and the reciprocal of the larger one of two
-    rates: the hub's speed, and the natural frequency that belt, centrifugal force and gravity give
-    the bristle.
+    The units of length and mass are those of the bristle. The unit of time is the reciprocal of the
+    hub's angular velocity, or of the bristle's natural angular frequency under belt, centrifugal
+    force and gravity if this is larger.
     """
     stiffness = tool.belt.stiffness + tool.bristle.mass * (
         tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2
@@ -143,8 +143,7 @@ def build_tool(
 
 
 def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
-    """Yield the pairs of a wire that can touch: every link with the bar, and tip and knee with the
-    workpart.
+    """Yield the pairs of a wire: each link with the bar, and tip and knee with the workpart.
 
     ``first`` is the index of the wire's first link.
     """
@@ -179,9 +178,9 @@ def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
 def wire_links(bristle: Bristle) -> tuple[Link, ...]:
     """Return the links of a wire, in units of the bristle's length and mass.
 
-    The links divide the centre line into parts of equal length. In the unstressed wire all links
-    have the same angle; at the angle 0 the shank, from root to knee, points along (0, -1). The link
-    that contains the knee is bent. A link's mass equals its length.
+    The links divide the centre line into parts of equal length; the link that contains the knee is
+    bent. In these units a link's mass equals its length. In the unstressed wire all links have the
+    same angle. At angle 0 the shank, from root to knee, points along (0, -1).
     """
     corners = np.array([0j, *(complex(*place) for place in bristle.path)]) / bristle.length
     distances = np.cumsum([0.0, *abs(np.diff(corners))])  # of the corners, along the wire
@@ -211,7 +210,7 @@ def wire_hinges(
         units: units of the scene.
 
     Returns:
-        For each joint (stiffness, damping), in engine units.
+        One pair (stiffness, damping) for each joint, in engine units.
     """
     if bristle.links == 1:
         return ()
@@ -229,7 +228,7 @@ def wire_hinges(
 def wire_pairs(
     mechanism: Mechanism, wire_radius: float, friction: float, restitution: float
 ) -> Iterator[WirePair]:
-    """Yield a pair for every two straight segments of links of different wires."""
+    """Yield a pair for each combination of two straight segments of different wires."""
     numbered = [
         (link, piece)
         for link, each in enumerate(mechanism.links)
@@ -241,7 +240,7 @@ def wire_pairs(
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
-    """Return the contact law that the parameters name.
+    """Return the contact law that ``contact.law`` names.
 
     Args:
         contact: parameters of the contact.

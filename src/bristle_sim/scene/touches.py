@@ -1,8 +1,8 @@
-"""Find the first event within an interval, without missing the touch of a link and an obstacle.
+"""The search for the first event in an interval, which misses no touch of a link and an obstacle.
 
-Gaps are searched on the interval's interpolating polynomial by conservative advancement (Mirtich
-1996): a gap g cannot close before the time g / (largest speed), so the search never steps over a
-touch.
+The zero of a gap is searched on the interval's interpolating polynomial by conservative advancement
+(Mirtich 1996): a gap g cannot close before the time g / (largest speed), so a step of this length
+cannot pass a touch.
 """
 
 from __future__ import annotations
@@ -19,51 +19,53 @@ from bristle_sim.scene.pairs import ClosestApproach, ContactPair
 from bristle_sim.scene.system import GAP_ROUNDING, System
 
 CUBIC_ERROR = 0.01
-"""Error bound of a gap on the cubic polynomial, over the fourth power of the interval h (engine
-units): h^4/384 with a safety factor. For an angular velocity of amplitude 1 that vibrates with the
-fastest frequency w, h^4 w^3/384 is bounded by the same factor."""
+"""Error bound of a gap on the cubic polynomial, divided by h^4 with the interval h (engine units).
+It is 1/384 times a safety factor. For a vibration of angular frequency w, whose angular velocity
+has the amplitude 1, it is the error bound divided by h^4 w^3."""
 
 QUINTIC_ERROR = 1.3e-5
-"""Error bound of a gap on the quintic polynomial, over the sixth power of the interval h (engine
-units): 3.2e-6 h^6 with a safety factor."""
+"""Error bound of a gap on the quintic polynomial, divided by h^6 with the interval h (engine
+units). It is 3.2e-6 times a safety factor."""
 
-# largest error of a polynomial near the start of the interval: over the error bound, and over the
-# square of the fraction of the interval that has passed
+# Largest error of a polynomial near the interval's start, divided by the error bound of the whole
+# interval and by the square of the fraction of the interval that has passed.
 NEAR_START = 16.0
 SHORTEST_ADVANCE = 1e-9
-"""Shortest time, and shortest path, from the interval's start to a minimum of the gap that is
-distinct from the start, in engine units."""
+"""Shortest time, and shortest path, from the interval's start to a minimum of the gap, in engine
+units. A closer minimum is not distinct from the start."""
 
 LEAST_ADVANCE = (
     1.0 / 8.0
 )  # least step of the search, as a fraction of the interval; slopes reveal a minimum within a step
-# least tolerance of the gap at a located touch: rounding error of an extrapolated interval
+# Least tolerance of the gap at a located touch, engine units: rounding error of an extrapolated
+# interval.
 GAP_TOLERANCE = 1e-13
 LOCATED_GAP = 1e-6
-"""Tolerance of the gap at a located touch, over the run's accuracy. It is small, because the error
-of the time is the gap over the speed of approach."""
+"""Tolerance of the gap at a located touch, as a fraction of the run's accuracy. It is small because
+the error of the time is the gap divided by the approach speed, which may be small too."""
 
 OPENING = (
     1.0 / 16.0
 )  # time in which the gap of a released pair must open, over the interval between samples
 MOST_FASTER = 1.5
-"""Largest velocity at which a gap opens at the end of the time ``OPENING``, over that at its start,
-without a search for a rebound that ends within this time."""
+"""Ratio of the opening velocity of a gap at the end of the time ``OPENING`` to that at its start,
+above which a rebound that ends within this time is searched for."""
 
-LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, over the interval
+LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, as a fraction of the interval
 MOST_HALVINGS = 40  # largest number of bisections of an interval, down to rounding error
 
 Found = tuple[Interval, Happening | None]
-"""The interval up to an event, and the event; or the interval up to a minimum of a gap without a
-touch, and None."""
+"""The interval up to an event, and the event; or the interval up to a minimum of a gap at which
+link and obstacle do not touch, and None."""
 
 
 def first_event(system: System, motion: Motion, interval: Interval) -> Found:
-    """Return the interval shortened to its first event, and this event; or shortened to a near
-    miss, or the whole interval, and None.
+    """Return the interval shortened to its first event, and this event.
 
-    Events of contacts come before touches: a contact that slides onto the neighbouring link is not
-    a new touch of that link. In flight touches come first: an extreme after a touch is not located.
+    Without an event return None instead of it, with the whole interval, or with the interval up to
+    a minimum of a gap at which link and obstacle almost touch. In contact the search begins with
+    the events of contacts: a contact that slides onto the neighbouring link is no touch of that
+    link. In flight it begins with touches, so that no extreme after a touch need be located.
     """
     sustained = [contact.pair for contact in motion.contacts]
     first = None
@@ -91,11 +93,15 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
 def _search_hop(
     system: System, interval: Interval, pair: ContactPair, longest: float
 ) -> Found | None:
-    """Search for the end of a small rebound, from which the link comes back within the interval.
+    """Search for the end of a rebound so small that the link comes back within the interval.
 
-    An interval longer than ``longest`` is shortened to this length. If it then ends inside the
-    obstacle, it is shortened to the end of the rebound, or to an instant at which the link is still
-    outside. A rebound shorter than the shortest interval is too low to follow.
+    An interval longer than ``longest`` is first shortened to this length.
+
+    Returns:
+        The interval up to the end of the rebound, and the touch. If the rebound is too low to
+            follow, the event is ``REST``.
+        The shortened interval and None, if the link is still outside the obstacle at its end.
+        None, if the link is outside at the end of an interval that has not been shortened.
     """
     integrate_to = interval.integrate_to
     shortened = interval.length > longest
@@ -147,8 +153,7 @@ def _touch(
     sustained: Sequence[ContactPair],
     separating: Sequence[ContactPair],
 ) -> Found | None:
-    """Return the interval shortened to a pair's first touch, and the touch; or shortened to a near
-    miss, and None. If the gap stays open, or stays closed, a single None is returned.
+    """Search for the first touch of a pair in an interval.
 
     Args:
         system: the run.
@@ -156,6 +161,11 @@ def _touch(
         pair: the pair.
         sustained: pairs in sustained contact.
         separating: released pairs, whose gaps must first open.
+
+    Returns:
+        The interval up to the touch, and the touch.
+        The interval up to a minimum of the gap, and None, if link and obstacle almost touch.
+        None, if the gap stays open or stays closed.
     """
     length = interval.length
     closest = partial(system.closest, pair)
@@ -200,8 +210,18 @@ def _integrated_touch(
     begin: float,
     last: float,
 ) -> Found:
-    """Return the interval shortened to a touch between two times that the polynomial does not
-    locate, and the touch; or shortened to an instant before a minimum of the gap, and None.
+    """Locate a touch by integration, where the polynomial is not accurate enough.
+
+    Args:
+        interval: the interval.
+        pair: the pair.
+        closest: function that returns the closest approach in a state.
+        begin: time, from the interval's start, at which the gap is open.
+        last: time at which the gap on the polynomial is closed or almost closed.
+
+    Returns:
+        The interval up to the touch, and the touch.
+        The interval up to an instant before a minimum of the gap, and None, if the gap stays open.
     """
     integrate_to = interval.integrate_to
     touch = closest(integrate_to(last).state)
@@ -224,9 +244,7 @@ def _integrated_touch(
 
 
 def polynomial_error(system: System, interval: Interval) -> float:
-    """Return an upper bound of a gap's error on the interval's interpolating polynomial, in engine
-    units.
-    """
+    """Return an upper bound (engine units) of a gap's error on an interval's polynomial."""
     length = interval.length
     middle = interval.end.middle
     error = CUBIC_ERROR * length**4 if middle is None else QUINTIC_ERROR * length**6
@@ -243,12 +261,12 @@ def first_touch(
     begin: float = 0.0,
     last: float = 1.0,
 ) -> float | None:
-    """Return the fraction of the interval at which the gap on the polynomial is closed or nearly
-    closed; None if the gap stays open.
+    """Return a fraction of the interval at which a gap is closed, or almost closed.
 
-    The returned fraction may be later than the first touch, but is never later than a second touch.
-    The gap's error at a fraction f is at most 16 f^2 (1 - f)^2 times ``interpolation_error``,
-    because angles and rates at the interval's ends are exact.
+    The gap is computed on the interpolating polynomial. Return None if it stays open. The returned
+    fraction may be later than the first touch, but is never later than a second touch. The gap's
+    error at a fraction f is at most 16 f^2 (1 - f)^2 times ``interpolation_error``, because angles
+    and angular velocities at the interval's ends are exact.
 
     Args:
         mechanism: the mechanism, for its largest speed.
