@@ -62,6 +62,40 @@ def test_a_wire_whose_tip_is_pressed_into_its_dent_again_and_again() -> None:
     assert run.angles[-1] == pytest.approx(exact.angles[-1], abs=10.0 * ACCURACY)
 
 
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-7, 1e-8])
+def test_a_stick_that_begins_on_the_friction_cone(accuracy: float) -> None:
+    """Reverse slip stops just before the tip leaves; the margin of the cone rises from zero, give or take rounding."""
+    tool = bs.Tool().replace(
+        hub_speed="2104.4rpm",
+        hub_radius="39.886mm",
+        belt_stiffness=0.030004,
+        belt_damping_ratio=0.743,
+        bristle_length="20.301mm",
+        bristle_mass="108.23mg",
+        wire_diameter="0.31799mm",
+        bar_radius="4.3913mm",
+        bar_horizontal="56.761mm",
+        bar_vertical="30.014mm",
+        friction=0.040232,
+        restitution=0.62381,
+        penetration="0.79745mm",
+        contact="compliant",
+        contact_duration="0.49676ms",
+        tangential_compliance=1.1075,
+    )
+    found, exact = (
+        run.first_contact("workpart")
+        for run in (
+            bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="workpart release"),
+            simulate_reference(tool, accuracy=1e-9, stop_after="workpart release"),
+        )
+    )
+    assert found is not None
+    assert exact is not None
+    assert found.phases[-2:] == ("restitution stick", "restitution slip")
+    assert found.rates_after == pytest.approx(exact.rates_after, rel=10.0 * accuracy)
+
+
 @pytest.mark.parametrize("restitution", [0.42, 0.0])
 def test_a_run_that_ends_with_its_strike(restitution: float) -> None:
     """Both end when the contact of the strike is over, and record it."""

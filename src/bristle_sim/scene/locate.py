@@ -154,20 +154,20 @@ def _zero(
     integrate_to = interval.integrate_to
     value = event.value
     tolerance = event.tolerance
-    begin = 0.0
-    if event.kind in BEGINS_POSITIVE and value(interval.first) <= 0.0:
-        # The value rises from zero before it falls: the search begins where it is positive.
-        time = interval.length
-        while begin == 0.0 and time > interval.instant:
-            time *= 0.5
-            if value(integrate_to(time)) > 0.0:
-                begin = time
     if tolerance is None:
         located = LOCATED_VALUE * min(system.plan.accuracy, 1e-4) * max(abs(left), abs(right))
         rounding = 0.1 * LEAST_VALUE
         if event.kind in DIFFERENCES:
             rounding = 100.0 * RATE_ROUNDING / interval.length
         tolerance = max(located, rounding)
+    begin = 0.0
+    if event.kind in BEGINS_POSITIVE and value(interval.first) <= tolerance:
+        # The value rises from zero before it falls: the search begins where it is positive.
+        time = interval.length
+        while begin == 0.0 and time > interval.instant:
+            time *= 0.5
+            if value(integrate_to(time)) > tolerance:
+                begin = time
     found = settle(system, value, interval, begin, interval.length, tolerance)
     if found is not None:
         return found
