@@ -28,20 +28,23 @@ from bristle_sim.theory import cueing
 
 Measures = Mapping[str, float]
 Strikes = Callable[[Array], Mapping[str, NDArray[Any]]]
-"""Function of directions of the bar (rad) that returns the measures of the strikes; without a cued
-strike they are NaN, and there is a reason."""
+"""Function of directions of the bar (rad) that returns the measures of the strikes by name.
+
+A bristle that does not strike after leaving the bar has NaN, and the reason under FAILURE."""
 
 FINEST_DIRECTION = 1e-11  # Tolerance of the root, rad: the error of the lag at the finest accuracy
 FINEST_MAXIMUM = (
     1e-5  # Tolerance of the maximum, rad: the speed changes by its square, less than any accuracy
 )
-# Distance between the directions of the first survey, rad: of passes in arrays, and of passes
-# simulated one by one. No range of directions with a strike is narrower.
+# Step between the directions of a first survey, rad: STEP if the passes are computed in arrays,
+# COARSE_STEP if they are simulated one by one. No range of directions with a strike is narrower.
 STEP = math.radians(0.5)
 COARSE_STEP = math.radians(4.0)
-LAG_JUMP = 1e-4  # Largest lag at a root, deg. Where the bristle just misses the bar the lag jumps: no root.
-# Angle beyond radial, deg, that a bristle must reach for some direction. A bristle that creeps to
-# rest passes radial by rounding error alone.
+# Largest lag at a root, deg. The lag jumps from one sign to the other, without a root, where the
+# bristle just misses the bar.
+LAG_JUMP = 1e-4
+# Least angle beyond radial (deg) by which the bristle must strike for some direction of the bar. A
+# bristle that creeps to rest passes radial by rounding error alone.
 SWUNG = 0.01
 
 NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"
@@ -49,8 +52,12 @@ NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A direction of the bar from the workpart's normal (rad) and the measures of the strike that
-    it gives.
+    """A direction of the bar, and the measures of the strike when the bar stands there.
+
+    Attributes:
+        direction: angle from the workpart's normal to the line from the hub's centre to the bar,
+            rad.
+        strike: measures of the strike, by name.
     """
 
     direction: float
@@ -58,15 +65,17 @@ class Place:
 
 
 def placed(tool: Tool, direction: float) -> Tool:
-    """Return the tool with its bar moved to another direction (rad) at the same distance from the
-    hub's centre.
+    """Return the tool with its bar moved around the hub's centre at constant distance.
+
+    ``direction`` is the bar's new angle from the workpart's normal, rad.
     """
     return tool.replace(**centre_of(tool, direction))
 
 
 def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
-    """Return the coordinates of the bar's centre by name (m) in given directions (rad) at the bar's
-    distance from the hub's centre.
+    """Return the coordinates of the bar's centre (m), by name, for given directions (rad).
+
+    The bar keeps its distance from the hub's centre.
     """
     distance = math.hypot(*bar_of(tool).centre)
     return {
@@ -87,8 +96,11 @@ def bar_of(tool: Tool) -> Bar:
 
 
 def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
-    """Return the function that computes the strikes for directions of the bar, and the distance of
-    the directions in a first survey, rad.
+    """Return a function that computes strikes, and the step of a first survey.
+
+    Returns:
+        The function: it takes directions of the bar (rad) and returns the measures of the strikes.
+        The step between neighbouring directions in the survey, rad.
     """
     bar_of(tool)
 
@@ -99,12 +111,19 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
 
 
 def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
-    """Return the direction of the bar for a radial strike, and that strike.
+    """Return the direction of the bar at which the bristle is radial when it strikes.
 
-    Of several directions it is the one nearest to the direction by ``stiffened_direction``.
+    If several directions give a radial strike, the direction nearest to that of the cue formula is
+    returned.
+
+    Args:
+        tool: the tool.
+        strikes: function that computes strikes for directions of the bar.
+        step: step of the first survey of directions, rad.
 
     Raises:
-        NotCuedError: if no direction gives a radial strike; the message has the range of the lags.
+        NotCuedError: if no direction gives a radial strike. The message states the range of the
+            lag.
     """
     guess = stiffened_direction(tool)
     directions = np.linspace(0.0, math.pi, math.ceil(math.pi / step) + 1)
@@ -134,8 +153,9 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
 
 
 def _place(strikes: Strikes, direction: float) -> Place:
-    """Return a direction of the bar (rad) with the measures of its strike; they are NaN without a
-    cued strike.
+    """Return a direction of the bar (rad) with the measures of its strike.
+
+    The measures are NaN if the bristle does not strike after leaving the bar.
     """
     found = strikes(np.array([direction]))
     measures = {name: float(each[0]) for name, each in found.items() if name != FAILURE}
@@ -143,10 +163,10 @@ def _place(strikes: Strikes, direction: float) -> Place:
 
 
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
-    """Return the direction of the bar at which the tip strikes fastest, together with that strike.
+    """Return the direction of the bar at which the tip strikes fastest.
 
-    The search goes from the direction ``start`` (rad) in steps to the next maximum of the speed,
-    which Brent's method refines.
+    The search climbs from the direction ``start`` (rad) in steps of ``step`` (rad) to the next
+    maximum of the tip speed. Brent's method then refines this maximum.
     """
     directions = start + step * np.arange(-math.floor(start / step), (math.pi - start) / step)
     speeds = np.nan_to_num(strikes(directions)["tip_speed_at_contact"])
@@ -167,12 +187,18 @@ def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
 
 
 def retraction(tool: Tool) -> float:
-    """Return the retraction at which the bristle slips off the bar, rad."""
+    """Return the retraction at which the bristle slips off the bar, rad.
+
+    The retraction is the angle by which the bristle is behind the radial direction.
+    """
     bar = bar_of(tool)
     geometry = (tool.bar_reach, tool.hub.radius, tool.bristle.length)
     return float(cueing.retraction_at_bar(bar.horizontal, bar.vertical, *geometry))
 
 
 def stiffened_direction(tool: Tool) -> float:
-    """Return the direction of the bar by the cue formula with centrifugal stiffening, rad."""
+    """Return the direction of the bar by the cue formula, rad.
+
+    The formula includes the stiffness that the centrifugal force adds to the belt's stiffness.
+    """
     return cueing.stiffened_cue(tool, retraction(tool)).bar_direction

@@ -47,7 +47,12 @@ Slides = Mapping[str, float | None]
 
 @dataclass(frozen=True, slots=True)
 class BentBristles:
-    """The passes of the three tools by their shapes, and the forward slides of their tips."""
+    """The simulated passes of three bristle shapes, by the name of the shape.
+
+    Attributes:
+        trajectories: motion of each bristle.
+        slides: forward slide of each tip in its first strike (m); None if the tip does not strike.
+    """
 
     trajectories: dict[str, Trajectory]
     slides: Slides
@@ -64,13 +69,14 @@ def slide_path(history: ContactHistory) -> Array:
 
 
 def slide_measures(contact: ContactRecord) -> dict[str, float]:
-    """Return the slide of a tip in its contact with the workpart, and the tip's speeds, in the
-    units of MEASURES.
+    """Return the tip's slide along the workpart in a contact, and the tip's speeds before and after
+    it.
 
-    ``slide_in_touch`` is negative if the tip has moved back at its release.
+    MEASURES has the names and units. ``slide_in_touch`` is the displacement from the first touch to
+    the release. It is negative if the tip has moved backwards.
 
     Raises:
-        ValueError: if the contact has no history over time, which only the compliant law records.
+        ValueError: if the contact has no time history. Only the compliant law records one.
     """
     if contact.history is None:
         raise ValueError(
@@ -88,8 +94,10 @@ def slide_measures(contact: ContactRecord) -> dict[str, float]:
 
 
 def bent_bristles(tool: Tool, settings: Settings) -> Report:
-    """Simulate three passes, with the tool's knee bent backwards, straight, and bent forwards, and
-    compare the slides of the tips.
+    """Simulate three bristles, bent backwards, straight and bent forwards, and compare their
+    slides.
+
+    The angle of the tool's knee gives the magnitude of both bends.
 
     Raises:
         ValueError: if the contact law is not ``compliant``, or a pass exceeds its step budget
@@ -133,7 +141,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
 
 
 def answer(slides: Slides) -> str:
-    """Return the study's answer in words: which tips slide, and which retract at once."""
+    """Return in words how far each tip slides, and which tips retract without sliding forward."""
     farthest = max((slide for slide in slides.values() if slide is not None), default=None)
     if farthest is None:
         return "No tip slides, because none strikes the workpart."
@@ -150,8 +158,9 @@ def answer(slides: Slides) -> str:
 
 
 def against_film(slides: Slides) -> str:
-    """Return a sentence that compares the slide of the forward bent tip with the other two slides,
-    and with the film.
+    """Return a sentence that compares the slides with the dissertation's high-speed film.
+
+    Compared is the slide of the forward bent tip relative to the mean of the other two slides.
     """
     found = [slide for slide in slides.values() if slide is not None]
     if len(found) < len(SHAPES):

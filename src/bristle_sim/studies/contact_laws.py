@@ -9,9 +9,9 @@ from bristle_sim.settings import Settings
 LAWS = ("energetic", "compliant", "engine")
 
 LEAST_RATE = 1e-300
-"""Least rate of a rod before an impact (rad/s) that is distinguished from rest.
+"""Least angular velocity of a rod before an impact (rad/s) that is distinguished from rest.
 
-Slower rates are near the smallest number that has all digits, 2e-308."""
+Lower values are near the smallest number that has all digits, 2e-308."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,10 +21,10 @@ class Impacts:
     Attributes:
         chain: the rods before the impact.
         surface: the surface.
-        contact: the requested contact.
-        strikes: results by law.
-        refusals: reasons why other laws have no result, by law.
-        timing: how the duration of the contact in time was chosen.
+        contact: the contact law that the user requested, with its parameters.
+        strikes: simulated impact by each contact law, by the name of the law.
+        refusals: reason why a law cannot compute the impact, by the name of the law.
+        timing: sentence that states how the duration of a contact resolved in time was chosen.
     """
 
     chain: Chain
@@ -36,7 +36,12 @@ class Impacts:
 
 
 def all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    """Simulate the strike by the requested contact law, and by every other law that has a result."""
+    """Simulate an impact by the requested contact law, and by every other law that can compute it.
+
+    Raises:
+        ValueError: if the requested law cannot compute the impact, or a rod turns too slowly to be
+            distinguished from rest.
+    """
     for rate in chain.rates:
         if 0.0 < abs(rate) < LEAST_RATE:
             raise ValueError(

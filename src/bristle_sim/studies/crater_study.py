@@ -53,13 +53,13 @@ PLIES_OF_RATIO = 5  # number of plies with which the dissertation computes (4.66
 
 @dataclass(frozen=True, slots=True)
 class CraterStudy:
-    """Results of the study, from which its figure is drawn.
+    """Results of the crater study, from which its figure is drawn.
 
     Attributes:
         crater: parameters of the crater.
-        depths: every estimate of the crater depth (m) by name: the names of FORMULA_DEPTHS and
-            CONTACT_DEPTHS, and ``ratio_of_sums`` for (4.66). Estimates that do not exist are
-            missing.
+        depths: estimates of the crater depth (m), by name. The names are those of FORMULA_DEPTHS
+            and CONTACT_DEPTHS, and ``ratio_of_sums`` for eq. 4.66 of the dissertation. An estimate
+            is missing if its formula does not apply.
         contact: the simulated contact; None if the tip does not approach the surface.
         no_contact: reason why there is no contact.
     """
@@ -139,10 +139,10 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
 
 
 def swept_crater(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> SweptTip:
-    """Return the crater as a three-dimensional body, the volume that the tip sweeps.
+    """Return the crater as the volume that the tip sweeps along its path.
 
-    It is as deep as the energy of the simulated contact cuts if the shear plane ends at the real
-    surface, inclined to the tip's path.
+    The energy of the simulated contact determines the depth. The shear plane ends at the real
+    surface, which is inclined to the tip's path.
 
     Raises:
         ValueError: if the tip does not approach, the parameters leave a formula's range, or the
@@ -172,10 +172,11 @@ def _answer(depths: Mapping[str, float], printed: Values, no_contact: str) -> st
 
 
 def _compression(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> TimedContact:
-    """Simulate the compression of the tip's contact; the tip cuts until it is deepest.
+    """Simulate the compression phase of the tip's contact, in which the tip cuts the crater.
 
     Raises:
-        ValueError: if the tip does not approach, or has no width, or no contact lasts as requested.
+        ValueError: if the tip does not approach, the wire has no diameter, or no contact has the
+            requested compression time.
     """
     if bristle.wire_diameter == 0.0:
         raise ValueError("wire_diameter = 0: must be more than 0, or the tip cuts nothing (in m)")
@@ -193,12 +194,18 @@ def _compression(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
 def _contact_depths(
     contact: TimedContact, crater: Crater, bristle: Bristle
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the crater depths by the simulated contact, and the same depths by theory.
+    """Return the crater depths (m) by the simulated contact, and by theory.
 
-    Each crater has a surface at which the shear plane ends: one ``parallel`` to the tip's path, or
-    the real surface, ``inclined`` to the path. In theory the contact is a rigid-body impact whose
-    force is a quarter of a sine wave. Along the path the tip, of speed v, gives up the momentum m
-    v/3 and the energy m v^2/6.
+    A depth assumes that the shear plane ends at one of two surfaces: a surface parallel to the
+    tip's path, or the real surface, which is inclined to the path.
+
+    In theory the contact is a rigid-body impact whose force is a quarter of a sine wave. The
+    bristle of mass m and tip speed v loses the momentum m v/3 and the energy m v^2/6 along the
+    path.
+
+    Returns:
+        Two dictionaries, simulated and theoretical, with the names of CONTACT_DEPTHS. A depth is
+            missing if the shear plane does not reach the surface.
     """
     cut = _cut(crater, bristle)
     face = TipFace(short_axis=bristle.wire_diameter)
@@ -226,9 +233,7 @@ def _contact_depths(
 
 
 def _cut(crater: Crater, bristle: Bristle) -> dict[str, Any]:
-    """Return the keyword arguments of the crater formulas for these parameters, in SI units and
-    rad.
-    """
+    """Return the keyword arguments of the crater formulas, in SI units and rad."""
     return {
         "friction": crater.friction,
         "shear_yield_stress": crater.shear_yield_stress,

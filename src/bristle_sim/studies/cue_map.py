@@ -40,15 +40,16 @@ QUANTITIES = {
     "highest_tip_speed": ("highest tip speed", "m/s"),
 }
 
-# Offsets of the reference's directions from the directions found by simulation, rad. SECANT: of two
-# directions, between which the reference's root is interpolated linearly, to 1e-10. PARABOLA: of
-# three directions, through which a parabola gives the reference's maximum, to 1e-6.
+# The reference is solved at directions of the bar that differ by these angles (rad) from the
+# directions found by simulation. SECANT: two directions, between which linear interpolation finds
+# the radial strike to 1e-10. PARABOLA: three directions, whose parabola has the highest tip speed,
+# to 1e-6.
 SECANT = 1e-5
 PARABOLA = 1e-3
 
 CHECKED_RANGE = math.radians(5.0)
-"""Range of directions to either side of the radial strike's in which passes are checked by simulation,
-rad."""
+"""Passes are checked by simulation at directions of the bar within this angle (rad) of the
+direction for a radial strike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,11 +58,11 @@ class CueMap:
 
     Attributes:
         tool: the tool.
-        settings: accuracy and limits of the passes.
+        settings: accuracy and limits of the simulated passes.
         grid: size and resolution of the maps.
-        radial: direction for a radial strike.
-        fastest: direction for the fastest tip.
-        formula: direction by the cue formula, rad; None for a belt without stiffness.
+        radial: direction of the bar at which the bristle is radial when it strikes.
+        fastest: direction of the bar at which the tip strikes fastest.
+        formula: direction of the bar by the cue formula, rad; None for a belt without stiffness.
     """
 
     tool: Tool
@@ -154,10 +155,11 @@ def cue_map(
 def _referred(
     tool: Tool, settings: Settings, radial: bar_search.Place, fastest: bar_search.Place
 ) -> Values:
-    """Return the quantities by the independent reference solution.
+    """Return the study's quantities by the independent reference solution.
 
-    They are interpolated between reference passes whose directions are close to the directions
-    found by simulation.
+    The reference solves passes at directions of the bar close to the two directions found by
+    simulation. Linear interpolation gives the direction of a radial strike; a parabola gives the
+    direction of the highest tip speed.
     """
     from bristle_sim.reference import simulate_reference
 
@@ -212,7 +214,13 @@ def _where_it_stands(found: CueMap, strikes: bar_search.Strikes) -> str:
 
 
 def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> Values:
-    """Return the quantities by name, from the places for a radial strike and for the fastest tip."""
+    """Return the study's quantities by name.
+
+    Args:
+        tool: the tool.
+        radial: direction of the bar for a radial strike, with its strike.
+        fastest: direction of the bar for the fastest tip, with its strike.
+    """
     bar = bar_search.bar_of(bar_search.placed(tool, radial.direction))
     return {
         "bar_direction_for_radial_strike_deg": math.degrees(radial.direction),
@@ -226,12 +234,14 @@ def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> V
 
 
 def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
-    """Compute the strikes for a grid of bar positions, wide enough to contain the tool's own bar and
-    the bars in the directions found.
+    """Compute the strikes for a grid of positions of the bar.
+
+    The grid contains the tool's own position and the positions that the study found.
 
     Returns:
-        The coordinates S_H and S_V of the bar (m) and the measures of the strikes by name, shape
-        (S_V, S_H); NaN where there is no cued strike.
+        The coordinates S_H along the workpart and S_V normal to it (m), each ascending.
+        The measures of the strikes by name, shape (S_V, S_H). They are NaN where the bristle does
+            not strike after leaving the bar.
     """
     directions = np.array([*found.marks.values()])
     places = np.array([*bar_search.centre_of(found.tool, directions).values()])
@@ -245,4 +255,6 @@ def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
     return horizontal, vertical, strikes_of_keys(found.settings, found.tool, **centre)
 
 
-ROOM = 0.6  # half-width of the maps over the largest distance between the positions that they show
+# Least half-width of the maps, divided by the largest distance between the positions of the bar
+# that they show. More than 0.5 leaves a margin.
+ROOM = 0.6

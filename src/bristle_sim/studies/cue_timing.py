@@ -49,31 +49,35 @@ QUANTITIES = {
     "bar_vertical": ("bar normal to the workpart S_V", "m"),
 }
 
-# Longest simulated release, in revolutions of the hub. Only on an extremely soft belt does the
-# bristle still accelerate after it.
+# Longest simulated release, in revolutions of the hub. A bristle that still accelerates after so
+# many revolutions has an extremely soft belt.
 FULL_TURNS = 1e3
-# Largest factor by which a damped release is sampled more densely; with more, the samples would be
-# as close as the steps of the simulation.
+# Largest factor by which an overdamped release is sampled more densely. A larger factor would put
+# the samples as close as the steps of the simulation.
 MOST_DAMPED = 10.0
 
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """Cues of the bristle by a simulated release and by formula, and whole passes with the bar
+    """A simulated release of the bristle, its cue by several methods, and passes with the bar
     placed accordingly.
+
+    A cue is the bar position from which the released bristle strikes at its highest speed.
 
     Attributes:
         tool: the tool.
-        retraction: retraction at the release, rad.
-        trajectory: simulated release up to the highest relative speed.
-        simulated: cue by the simulated release; None if the relative speed has no maximum.
+        retraction: angle by which the bristle is behind the radial direction at the release, rad.
+        trajectory: simulated release, up to the instant of the highest relative angular velocity.
+        simulated: cue by the simulated release; None if the relative angular velocity has no
+            maximum.
         formula: cue by the formulas; None without a belt.
         reference: cue by the independent reference solution; None if it was not requested.
         bar: the bar at the position to compare with.
         passes: results of whole passes: first with the bar at the cue of the release, if there is
             one, then with ``bar``.
-        readings: this comparison for each reading of the printed belt stiffness, and under ``own``
-            for the tool's stiffness if it is none of these.
+        readings: results for each interpretation of the unit of the printed belt stiffness. The key
+            ``own`` has the results for the tool's stiffness, if it differs from all
+            interpretations.
     """
 
     tool: Tool
@@ -88,10 +92,11 @@ class CueTiming:
 
     @property
     def wires(self) -> Array:
-        """Centre lines of the wire at its release and when it is fastest, shape (2, corners, 2), m.
+        """Centre lines of the wire at its release and at its highest speed, shape (2, corners, 2),
+        m.
 
-        Both are rotated about the hub's centre such that the wire at its fastest stands radially at
-        the impact angle gamma.
+        Both are rotated by the same angle about the hub's centre. This angle brings the wire's root
+        at the instant of highest speed to the impact angle gamma.
         """
         assert self.tool.workpart is not None
         geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)
@@ -118,12 +123,11 @@ def cue_timing(
     bar: Bar | None = None,
     with_reference: bool = True,
 ) -> Report:
-    """Simulate a release from rest, place the bar by it, and compare with the cue formulas, for
-    each belt stiffness.
+    """Simulate a release from rest, place the bar by it, and compare with the cue formulas.
 
-    There are four belt stiffnesses: that of the tool; the printed 0.00041, read in N m per radian;
-    the same number, read in N m per degree; and the stiffness at which the bristle swings at the
-    filmed 254 Hz. Whole passes with a bar are simulated too.
+    The comparison is made for four belt stiffnesses: that of the tool; the printed 0.00041, read in
+    N m per radian; the same number, read in N m per degree; and the stiffness at which the bristle
+    swings at the filmed 254 Hz. Whole passes with a bar are simulated too.
 
     Args:
         tool: the tool.
@@ -213,8 +217,10 @@ def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
 def _timed(
     tool: Tool, retraction: float, settings: Settings, bar: Bar, with_reference: bool
 ) -> CueTiming:
-    """Simulate the release, and whole passes with the bar at the cue of the release and at the
-    bar's own position.
+    """Simulate the release, and two whole passes.
+
+    In the first pass the bar stands at the cue of the release, in the second at its own position.
+    The first is left out if the release has no cue.
     """
     start: dict[str, Any] = {
         "start_relative_angle": -retraction,
@@ -256,8 +262,9 @@ def _timed(
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
-    """Return the cue of a simulated release (Zhang 2020, eq. 2.1); None if the relative speed has
-    no maximum.
+    """Return the cue of a simulated release (Zhang 2020, eq. 2.1).
+
+    It is None if the angular velocity relative to the hub has no maximum.
     """
     time = run.event_time("highest relative speed")
     if time is None:
@@ -268,15 +275,17 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
 
 
 def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quantity, ...]:
-    """Compare the bar position by the release with the positions by the formula and by the
-    reference.
+    """Compare the cue of the simulated release with the cues by formula and by the reference.
 
-    The tolerances follow from the error of the rate. The speed is highest where the torques of belt
-    and damping balance. There alpha''' = -(K/I) alpha', with the angle alpha relative to the hub,
-    the stiffness K of belt and centrifugal field, and the bristle's inertia I. With the belt's
-    damping c, a relative error delta of the rate therefore shifts the instant t of the highest
-    speed by c delta/K, a fraction c delta/(K t) of it. An error of the bar's direction changes each
-    coordinate of the bar in proportion to the other coordinate.
+    The tolerances follow from the relative error delta of the angular velocity. The bristle is
+    fastest where the torques of belt and damping balance. At that instant t
+
+        alpha''' = -(K/I) alpha',
+
+    where alpha is the angle relative to the hub, K the stiffness of belt and centrifugal force, and
+    I the bristle's inertia. With the damping coefficient c of the belt, the instant therefore
+    shifts by c delta/K, a relative error of c delta/(K t). An error of the bar's direction changes
+    each coordinate of the bar in proportion to the other coordinate.
     """
     tool = timing.tool
     cue = timing.reference
@@ -295,9 +304,7 @@ def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quant
 
 
 def _tolerance(settings: Settings) -> float:
-    """Return the largest relative difference from the reference at which a release still counts as
-    right.
-    """
+    """Return the largest accepted relative difference of a release from its reference."""
     return max(1e-8, 10.0 * settings.accuracy)
 
 

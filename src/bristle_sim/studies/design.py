@@ -32,10 +32,12 @@ from bristle_sim.studies.many_passes import (
 from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
 from bristle_sim.units import likely_key, shown
 
-KEPT = 0.01  # largest relative deviation of a kept quantity from its wanted value
-KEPT_DEG = 1.0  # largest deviation of a kept angle from its wanted value, deg
-# Distances from the found value of a parameter at which the deviations are computed, over the
-# distance to the end of its range. Neighbours differ by 0.7 %.
+# Largest deviation from the wanted value at which a quantity still counts as met: relative, and for
+# angles in deg.
+KEPT = 0.01
+KEPT_DEG = 1.0
+# Changes of a parameter at which the deviations are computed, divided by the largest change within
+# its range. Consecutive changes differ by 0.7 %.
 DISTANCES = np.geomspace(1e-6, 1.0, 2000)
 MOST = 1e12  # largest magnitude of a wanted value, in the quantity's unit
 
@@ -49,7 +51,7 @@ class Want:
     Attributes:
         name: name of the quantity.
         wanted: wanted value.
-        reached: value in the simulated pass of the tool found; None without a strike.
+        reached: value in the simulated pass of the designed tool; None without a strike.
     """
 
     name: str
@@ -62,22 +64,24 @@ class Design:
     """The result of a design, in SI units, and in degrees where a name ends in ``_deg``.
 
     Attributes:
-        answer: the result in a sentence, with the agreement of single simulations.
-        remarks: sentences on compromises between two conditions and on the tolerances of the
+        answer: the result in a sentence. It states how well the fast computation agrees with
+            simulations.
+        remarks: sentences on compromises between two conditions, and on the tolerances of the
             parameters.
-        tool: the tool found; if conditions conflict, the tool that comes nearest.
-        varied: values found, by parameter.
+        tool: the designed tool; if conditions conflict, the tool that comes nearest.
+        varied: designed values of the varied parameters, by name.
         wants: wanted and reached values.
-        report: report of the simulated pass of the tool found.
-        before: simulated quantities of the given tool; None for a quantity that it does not have.
+        report: report of the simulated pass of the designed tool.
+        before: simulated quantities of the tool before the design; None for a quantity that it does
+            not have.
         sensitivity: derivatives of the quantities with respect to each parameter.
-        kept: lowest and highest value of each parameter, changed alone, at which all wants stay met
-            to 1 % or 1 deg.
+        kept: lowest and highest value of each parameter at which all wanted quantities stay within
+            1 % or 1 deg of their wanted values. The other parameters do not change.
         conflict: names of the wants and upper limits that cannot be met together; empty if all are
             met.
         trade_off: values of two quantities whose conditions conflict, and of the parameters, along
             the curve of best compromises.
-        check: agreement of the passes in arrays with single simulations.
+        check: agreement of the search's fast vectorised passes with simulations.
     """
 
     answer: str
@@ -173,7 +177,7 @@ def design(
 
 
 def _declared(name: str) -> Range:
-    """Return the declaration of a quantity, with its unit and range, by which its values are read.
+    """Return the unit and the permitted range of a quantity's wanted value.
 
     Raises:
         ValueError: for an unknown name.
@@ -184,7 +188,7 @@ def _declared(name: str) -> Range:
 
 
 def _found(search: Search) -> Design:
-    """Search for the tool, and return the design with its simulated pass."""
+    """Search for the tool, simulate its pass, and return the design."""
     place, met = search.solution()
     conflict: tuple[str, ...] = ()
     curves: dict[str, Array] = {}
@@ -233,7 +237,7 @@ def _found(search: Search) -> Design:
 def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
     """Return the derivatives of the quantities with respect to each parameter, in SI units.
 
-    ``place`` has the parameters as fractions of their ranges.
+    ``place`` holds the parameters of the designed tool as fractions of their ranges.
     """
 
     def quantities(fractions: Array) -> Array:
@@ -249,8 +253,10 @@ def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
 
 
 def _kept(search: Search, place: Array) -> dict[str, tuple[float, float]]:
-    """Return the interval of each parameter in which all wants stay met while the other parameters
-    do not change.
+    """Return the lowest and highest value of each parameter at which all wants stay met.
+
+    The other parameters do not change. ``place`` holds the parameters of the designed tool as
+    fractions of their ranges.
     """
     fractions = np.tile(place[:, np.newaxis], 2)  # lower and upper end
     for row, side in np.ndindex(fractions.shape):

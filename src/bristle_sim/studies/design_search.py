@@ -28,27 +28,27 @@ from bristle_sim.studies.many_passes import OUTCOME, pass_quantities
 from bristle_sim.studies.sweep_point import FAILURE
 
 SEED = 1
-SURVEYED = 1024  # number of passes of the survey; fewer passes would take as long
+SURVEYED = 1024  # number of sampled points; fewer would take as long
 POPULATION = 256
 GENERATIONS = 30
-STARTS = 4  # number of best points of the survey, and of the evolved population, that are refined
+# Number of best points that are refined: of the sampled points, and of the evolved population.
+STARTS = 4
 # Step of a fraction in a finite difference. The truncation error is some 1e-10, as large as the error
 # of the passes.
 DIFFERENCE = 1e-5
 SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
-# Penalty for a miss of one standard deviation of a quantity; a goal changes by only a few of its
-# standard deviations.
+# Penalty added to the goal for a deviation of one standard deviation from a condition. The goal
+# itself changes by only a few of its standard deviations.
 PENALTY = 30.0
-NO_STRIKE = 1e6  # value that is minimised, for a pass without the quantities
-MET = (
-    1e-6  # largest miss at which a condition counts as met, in standard deviations of the quantity
-)
-# Digits of a fraction; further ones are rounding error, which would give an unchanged key some 1e-18
+NO_STRIKE = 1e6  # value that replaces the goal where a pass lacks the quantities
+MET = 1e-6  # largest deviation at which a condition counts as met, in standard deviations
+# Decimals of a parameter's fraction of its range. Further decimals are rounding error, by which an
+# unchanged parameter would change by some 1e-18.
 DIGITS = 12
 MOST_STEPS = 60  # largest number of iterations of a refinement
 CURVE_POINTS = 25
-# Weight of the condition that a point of the curve meets; its miss is then some 1e-6 of its standard
-# deviation
+# Weight of the conditions that a point on the curve of compromises must meet. Their deviation is
+# then some 1e-6 standard deviations.
 STIFFNESS = 1e3
 
 Function = Callable[[Array], Array]
@@ -60,21 +60,22 @@ the points."""
 class Search:
     """The search for a tool: its conditions, the ranges of the varied parameters, and the goal.
 
-    A condition is a wanted value of a quantity, or an upper limit. The wanted values come first.
+    A condition is a wanted value of a quantity, or an upper limit. The wanted values come first. A
+    point of the search is a set of parameters, each as a fraction of its range from 0 to 1.
 
     Attributes:
         tool: the tool that gives the values of all other parameters.
-        vary: the two ends of each parameter's range.
+        vary: lower and upper bound of each varied parameter.
         want: wanted values, by quantity.
         at_most: upper limits, by quantity.
-        goal: quantity that is minimised if several tools meet the conditions; without a goal the
-            change of the parameters is minimised.
+        goal: quantity that is minimised or maximised if several tools meet the conditions. Without
+            a goal the change of the parameters is minimised.
         sense: 1 to minimise the goal, -1 to maximise it.
-        surveyed: points of a survey of the ranges whose passes have all quantities, as fractions of
-            the ranges, shape (parameters, points).
-        spread: standard deviation of each quantity over the survey, in which misses are measured.
-        present: the tool's own values as fractions of the ranges, shape (parameters, 1); a value
-            outside its range is moved to the nearest end.
+        surveyed: sampled points whose passes have all quantities, shape (parameters, points).
+        spread: standard deviation of each quantity among the sampled points. Deviations from the
+            conditions are measured in it.
+        present: point of the tool before the design, shape (parameters, 1). A value outside its
+            range is moved to the nearest bound.
     """
 
     tool: Tool
@@ -88,7 +89,7 @@ class Search:
     present: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        """Survey the ranges.
+        """Sample the ranges, and compute the standard deviation of each quantity.
 
         Raises:
             ValueError: if no pass has all quantities, or a quantity does not depend on the
@@ -117,28 +118,30 @@ class Search:
 
     @property
     def conditions(self) -> dict[str, float]:
-        """Wanted value or upper limit of each quantity that has one."""
+        """Wanted value or upper limit of each quantity that has one, by name."""
         return self.want | self.at_most
 
     def keys_at(self, fractions: Array) -> dict[str, Array]:
-        """Return the values of the varied parameters at fractions of their ranges, shape
-        (parameters, points).
+        """Return the values of the varied parameters at given points, by name.
+
+        ``fractions`` are the values as fractions of their ranges, shape (parameters, points).
         """
         pairs = zip(self.vary.items(), fractions, strict=True)
         return {key: low + (high - low) * each for (key, (low, high)), each in pairs}
 
     def passes(self, fractions: Array) -> dict[str, Array]:
-        """Compute one pass for each set of parameter values, and return the results by name.
+        """Compute the pass of the tool at each point, and return the results by name.
 
-        Each value is given as a fraction of its parameter's range, from 0 to 1.
+        ``fractions`` are the parameters as fractions of their ranges, shape (parameters, points).
         """
         return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
     def costs(self, fractions: Array) -> Array:
-        """Return the goal, and by how much the quantities exceed the values of the conditions, in
-        standard deviations of the quantities.
+        """Return the goal and the signed deviations from the conditions at each point.
 
-        The shape is (1 + conditions, points).
+        A deviation is the quantity's value minus its wanted value or upper limit, divided by the
+        quantity's standard deviation. The shape is (1 + conditions, points), with the goal in the
+        first row.
         """
         found = self.passes(fractions)
         goal = np.sum((fractions - self.present) ** 2, axis=0)
@@ -150,10 +153,9 @@ class Search:
         return np.array([goal, *excesses])
 
     def misses(self, fractions: Array) -> Array:
-        """Return by how much passes miss the conditions, in standard deviations of the quantities;
-        a quantity below its upper limit gives 0.
+        """Return the deviations from the conditions, 0 where a quantity is below its upper limit.
 
-        The shape is (conditions, points).
+        They are divided by the quantities' standard deviations. The shape is (conditions, points).
         """
         found = self.costs(fractions)[1:]
         limits = slice(len(self.want), None)
@@ -161,11 +163,12 @@ class Search:
         return found
 
     def solution(self) -> tuple[Array, bool]:
-        """Return the point at which all conditions are met and the goal is least, as fractions.
+        """Return the point that meets all conditions with the lowest goal.
 
         Returns:
-            The point, and whether the conditions are met; if they cannot all be met, the point at
-                which they are missed least.
+            The point, as fractions of the ranges. If no point meets all conditions, it is the point
+                of least deviation.
+            Whether all conditions are met.
         """
 
         def merit(fractions: Array) -> Array:
@@ -194,13 +197,12 @@ class Search:
         return found[:, self.costs(found)[0].argmin()], True
 
     def nearest(self, weights: Array, missed: Number = 0.0, starts: Array | None = None) -> Array:
-        """Return the point at which the sum of squares of the weighted misses is least, as
-        fractions.
+        """Return the point with the least sum of squares of the weighted deviations.
 
         Args:
             weights: weights of the conditions.
-            missed: misses that do not count, shape (conditions, 1).
-            starts: points from which the search starts; by default the best of the survey.
+            missed: accepted deviations, subtracted before weighting, shape (conditions, 1).
+            starts: starting points of the search; by default the best sampled points.
         """
 
         def weighted(fractions: Array) -> Array:
@@ -225,10 +227,10 @@ class Search:
         return names
 
     def trade_off(self, pair: tuple[str, ...]) -> Array:
-        """Return points of the curve of best compromises between two conditions, as fractions, shape
-        (parameters, points).
+        """Return points on the curve of best compromises between two conditions.
 
-        The first condition is met at the first point, the second condition at the last point.
+        The first condition is met at the first point, the second condition at the last point. The
+        shape is (parameters, points).
         """
         names = tuple(self.conditions)
         first, second = (names.index(name) for name in pair)
@@ -245,13 +247,11 @@ class Search:
         return np.array(curve[::-1]).T
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
-        """Return the largest weighted miss at a point."""
+        """Return the largest magnitude of the weighted deviations at a point."""
         return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
 
     def _closest(self, start: Array, function: Function) -> Array:
-        """Return the point near a start at which the sum of squares of a function's values is
-        least, as fractions.
-        """
+        """Return the local minimum of the sum of squares of a function's values, near ``start``."""
         if not self.conditions:
             return start
         value, slopes = with_derivatives(function)
@@ -268,8 +268,9 @@ class Search:
         return np.asarray(found.x)
 
     def _improved(self, start: Array) -> Array:
-        """Return the point near a start at which the goal is least while the conditions stay met,
-        as fractions; the start itself if that fails.
+        """Return the local minimum of the goal near ``start``, subject to the conditions.
+
+        ``start`` itself is returned if the minimisation fails.
         """
         value, slopes = with_derivatives(
             lambda place: np.nan_to_num(self.costs(place), nan=NO_STRIKE)
@@ -299,9 +300,10 @@ class Search:
 def with_derivatives(function: Function) -> tuple[Function, Function]:
     """Return two functions of one point: the values of ``function``, and their derivatives.
 
-    The derivatives are finite differences within the ranges; a derivative that is not finite is 0.
-    The values have the shape (values,), the derivatives (values, parameters). One call of
-    ``function`` computes both.
+    ``function`` takes points as fractions of the ranges. The derivatives are finite differences
+    with points inside the ranges. A derivative that is not finite is replaced by 0. The values have
+    the shape (values,), the derivatives (values, parameters). One call of ``function`` computes
+    both, and the result is stored for the other function.
     """
 
     @functools.lru_cache(maxsize=2)

@@ -14,18 +14,19 @@ from bristle_sim.studies.design_search import Search
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.units import display_unit
 
-DECIMALS = 4  # decimals of a quantity in its readable unit; further decimals are rounding error
+# Decimals with which a quantity is printed in its customary unit; further ones are rounding error.
+DECIMALS = 4
 
 
 def tool_in_words(search: Search, varied: Mapping[str, float], report: Report, met: bool) -> str:
-    """Return the clause on the tool found and on its pass: the quantities wanted, limited, or
-    minimised, and the outcome.
+    """Return a clause with the designed tool's parameters, the quantities of its pass, and its
+    outcome.
 
     Args:
-        search: the statement of the design.
-        varied: the parameters of the tool.
+        search: conditions and goal of the design.
+        varied: values of the varied parameters, by name.
         report: report of the simulated pass.
-        met: whether the conditions are met, and the goal is therefore least.
+        met: whether all conditions are met. Only then is the goal called lowest or highest.
     """
     reached = {each.name: each.simulated for each in report.quantities}
     extreme = "highest" if search.sense < 0.0 else "lowest"
@@ -38,7 +39,7 @@ def tool_in_words(search: Search, varied: Mapping[str, float], report: Report, m
 
 
 def conflict_in_words(search: Search, conflict: Sequence[str]) -> str:
-    """Return the clause that no tool in the ranges meets all of the conflicting conditions."""
+    """Return a clause that states which conditions no tool in the ranges meets together."""
     parts = [
         f"a {_quantity(name, search.conditions[name], '' if name in search.want else 'at most ')}"
         for name in conflict
@@ -47,7 +48,7 @@ def conflict_in_words(search: Search, conflict: Sequence[str]) -> str:
 
 
 def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
-    """Return the sentence on the two ends of the trade-off between two conditions."""
+    """Return a sentence with the two quantities at both ends of the curve of best compromises."""
     ends = [
         " with a ".join(_quantity(name, float(curve[name][end])) for name in conflict)
         for end in (0, -1)
@@ -56,18 +57,21 @@ def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
 
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:
-    """Return the sentence on the range of each parameter in which all wants stay met."""
+    """Return a sentence with the interval of each parameter in which all wants stay met."""
     ranges = listed([_key(key, *ends) for key, ends in kept.items()])
     return f"The wants are kept, to 1 % or 1°, with {ranges}, one key at a time."
 
 
 def listed(parts: Sequence[str]) -> str:
-    """Return parts of a sentence, joined by commas and a last ``and``."""
+    """Return phrases joined by commas, with ``and`` before the last."""
     return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
 
 
 def _quantity(name: str, value: float | None, most: str = "") -> str:
-    """Return a quantity with its value and unit, for example ``tip speed v_C of 36 m/s``."""
+    """Return a quantity with its value and unit, for example ``tip speed v_C of 36 m/s``.
+
+    ``most`` is a phrase before the value, such as ``at most ``.
+    """
     label, unit = QUANTITIES[name]
     if value is None:
         return f"{label} of none"
@@ -76,8 +80,9 @@ def _quantity(name: str, value: float | None, most: str = "") -> str:
 
 
 def _key(key: str, *values: float) -> str:
-    """Return a parameter with its value and unit, or with the two ends of its range: ``hub_speed
-    2500 rpm``, ``hub_speed from 2451.2 to 2548.1 rpm``.
+    """Return a parameter with one value, or with the bounds of an interval, in its customary unit.
+
+    Examples are ``hub_speed 2500 rpm`` and ``hub_speed from 2451.2 to 2548.1 rpm``.
     """
     unit, size = display_unit(key, KEYS[key].unit)
     texts = [plain_number(each / size, 5) for each in values]
