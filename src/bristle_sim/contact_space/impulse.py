@@ -64,9 +64,10 @@ class ContactSpace:
             (column 0) and per unit tangential impulse (column 1), shape (3 * len(bodies), 2).
         limits: Jacobian rows of the joint limits that are reached; each acts as a rigid stop.
         pushes: impulse of each limit per unit normal and per unit tangential impulse at the
-            contact, shape (limits, 2), scaled by the length of the limit's row of J M^-1/2.
-        sizes: lengths of the contact's two rows of J M^-1/2, shape (2,), with which ``pushes`` are
-            compared.
+            contact, shape (limits, 2), multiplied by the length of the limit's Jacobian row. The
+            rows are scaled by M^-1/2 with the mass matrix M.
+        sizes: lengths of the contact's two Jacobian rows, scaled in the same way, shape (2,). They
+            give the scale of the rounding error of ``pushes``.
     """
 
     inverse_mass: Array
@@ -164,8 +165,9 @@ def relative_motion(
     """Return the Jacobian rows of a contact and the relative velocity of its points.
 
     Returns:
-        The rows for the velocity of the first body's point relative to the other body's point, in
-        the order (normal, tangential); and this velocity, in the same order.
+        The Jacobian rows for the velocity of the first body's point relative to the other body's
+        point, in the order (normal, tangential).
+        This velocity, in the same order.
     """
     relative = -surface_velocity
     for body, sign in zip(ends, (1.0, -1.0), strict=False):

@@ -58,9 +58,11 @@ DEPENDENT = 1e-12
 class JointRow(NamedTuple):
     """One row of a joint's velocity constraint: J V = rate, or J V >= rate for a limit.
 
+    V holds v_x, v_y and the angular velocity of each body.
+
     Attributes:
         joint: the joint.
-        entries: for each body, the factors of its velocities in the row J.
+        entries: for each body, the body and the factors of its three velocities in the row J.
         rate: prescribed value of J V; 0 except for a motor.
         limit: whether the row belongs to a limit, which can only push.
     """
@@ -193,11 +195,18 @@ cannot move relative to the anchor on body b. True beside a direction states tha
 
 
 def _reached(value: float, least: float, most: float, margin: float) -> list[tuple[float, bool]]:
-    """Return the senses (+1 or -1) in which a coordinate cannot move, each with True for a limit.
+    """Return the senses (+1 or -1) in which the limits of a coordinate prevent its motion.
 
-    At the limit ``most`` the sense is +1, at the limit ``least`` -1. Between the limits the list is
-    empty. If the limits coincide, the coordinate is fixed, and the list is [(1.0, False)].
-    ``margin`` is the distance at which a limit counts as reached.
+    Args:
+        value: the coordinate.
+        least: its lower limit.
+        most: its upper limit.
+        margin: distance at which a limit counts as reached.
+
+    Returns:
+        Pairs of a sense and whether it belongs to a limit: [(1.0, True)] at the upper limit,
+        [(-1.0, True)] at the lower limit, and [] between them. For equal limits the coordinate is
+        fixed, and the list is [(1.0, False)].
     """
     if least >= most:
         return [(1.0, False)]
@@ -242,9 +251,9 @@ def _groove(joint: pymunk.GrooveJoint) -> Guided:
 
 
 def _turning(joint: Any) -> list[JointRow]:
-    """Return the rows of a joint between the angles of two bodies.
+    """Return the Jacobian rows of a joint that constrains the angles of two bodies.
 
-    The list is empty for a joint with limits that is between them.
+    A joint between its limits has no row.
     """
     a = joint.a
     b = joint.b
@@ -324,7 +333,7 @@ def allowed_part(
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> None:
     """Change the bodies' velocities by the smallest amount after which they obey the joints.
 
-    The size of a change is the kinetic energy of a motion with these velocities.
+    The size of a change is measured in the norm of the kinetic energy.
 
     Raises:
         RuntimeError: if the search finds no set of limits that all push.
@@ -356,10 +365,15 @@ def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
 def _least_change(
     columns: Array, rates: Array, rounding: Array, limits: NDArray[np.bool_]
 ) -> Array:
-    """Return the shortest vector dU with rates + A^T dU = 0, where A is the matrix ``columns``.
+    """Return the shortest vector dU with rates + A^T dU = 0.
 
-    Where ``limits`` is True, rates + A^T dU must be >= 0 and the limit's impulse must be >= 0.
-    ``rounding`` is the rounding error of each rate.
+    For a limit, rates + A^T dU must be >= 0 and the impulse must be >= 0 instead.
+
+    Args:
+        columns: the matrix A; each column is the scaled row of a joint.
+        rates: present velocity errors J V - b of the joints, scaled likewise.
+        rounding: rounding error of each of ``rates``.
+        limits: True for each column that belongs to a limit.
     """
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):

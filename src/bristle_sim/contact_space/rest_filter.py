@@ -43,7 +43,8 @@ class RestFilter:
             until the step's first contact.
         at_rest: contacts at rest of this step, which the engine resolves.
         impacts: impacts of this step, which the engine ignores.
-        motion: motion in this step of the bodies in ``impacts`` and of bodies joined to them.
+        motion: velocity changes in this step of the bodies in ``impacts``, and of bodies joined to
+            them.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -57,7 +58,7 @@ class RestFilter:
         self._bodies: Any = None
 
     def begin(self, resting_speed: float) -> None:
-        """Prepare for an engine step in which contacts up to ``resting_speed`` are at rest."""
+        """Prepare for an engine step; contacts slower than ``resting_speed`` are at rest in it."""
         self.resting_speed = resting_speed
         self.resting = -1.0
         self._bodies = room_for_bodies()
@@ -77,10 +78,14 @@ class RestFilter:
         return self.at_rest + self.impacts
 
     def filter_impact(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
-        """Classify a contact: leave a contact at rest to the engine, or make the engine ignore it.
+        """Leave a contact at rest to the engine, or make the engine ignore an impact.
 
         A contact at rest has the friction of its rule and no restitution. Its shapes are not read,
         because a space may have many contacts at rest.
+
+        Args:
+            rule: coefficients of the two collision types.
+            arbiter: the engine's object for the contact.
         """
         if self._bodies is None:
             return

@@ -35,7 +35,8 @@ class Groups:
 
     Attributes:
         points: contact points of each body, for bodies whose points have been read.
-        impacts: number of impacts so far in each group; the key is the body that represents it.
+        impacts: number of impacts so far in each group; the key is the body that represents the
+            group.
     """
 
     def __init__(self, contacts: Iterable[Collision]) -> None:
@@ -72,7 +73,7 @@ class Groups:
         return body
 
     def unite(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Merge the groups of all ``bodies`` into one group; its number of impacts is their sum."""
+        """Merge the groups of all ``bodies`` into one group, and add their numbers of impacts."""
         first, *others = dict.fromkeys(map(self.head, bodies))
         for each in others:
             self._heads[each] = first

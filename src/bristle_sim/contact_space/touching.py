@@ -110,10 +110,10 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return the time from an instant to that of the engine's velocities, as a number of steps.
+        """Return how much later than an instant the engine's velocities apply, in steps.
 
-        ``time`` is the time from the instant to the end of the step. The engine's velocities are
-        those of half a step after this end.
+        The engine's velocities are those of half a step after the end of the step. ``time`` is the
+        time from the instant to the end of the step.
         """
         return time / self.duration + 0.5 if self.duration else 0.5
 
@@ -266,7 +266,7 @@ class TouchingPoint:
         Args:
             motion: velocity changes in the step.
             since: time from the last change of the velocities to the end of the step.
-            latest: longest time from the touch to the end of the step; a longer one is cut to it.
+            latest: upper bound of the time from the touch to the end of the step.
         """
         point, normal, depth = self.overlap
         relative = self.surface_velocity
@@ -292,12 +292,15 @@ class TouchingPoint:
         self.approach = growth - motion.steps(self.time) * gain
 
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
-        """Move bodies back to the instant of touch, which is located more closely by their shapes.
+        """Move bodies back to the instant of touch, and correct its time, point and normal.
+
+        The instant is estimated from the overlaps of the shapes at an earlier position of the
+        bodies and at the end of the step.
 
         Args:
             motion: velocity changes in the step.
             bodies: the bodies to move.
-            latest: longest time from the touch to the end of the step; a longer one is cut to it.
+            latest: upper bound of the time from the touch to the end of the step.
         """
         time = self.time
         after = self._look() if time else None

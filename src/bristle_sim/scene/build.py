@@ -124,8 +124,8 @@ class Scene:
         joint_solver: solver of joints, damping and sustained contacts.
         put: sets positions and velocities of all bodies.
         steps: number of steps taken.
-        work: number of steps taken, each multiplied by the number of links divided by
-            ``LINKS_OF_A_STEP`` and rounded up.
+        work: cost of the steps taken. A step costs 1 for up to ``LINKS_OF_A_STEP`` links, 2 for up
+            to twice as many, and so on.
         placed: state and drift of the last call of ``place``.
         turned: multiple of 2 pi (rad) that is subtracted from all angles in the engine.
     """
@@ -174,7 +174,7 @@ class Scene:
         self.keep_closed(())
 
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
-        """Keep the contacts closed in all further steps, and no other contacts."""
+        """Keep these contacts, and no others, closed in all further steps."""
         solving = bool(contacts) or self.mechanism.jointed
         if solving is (self._solve is None):
             self._solve = self.joint_solver.solve if solving else None
@@ -286,9 +286,9 @@ class Scene:
         return [*angles, *after, *[each / (last * length) for each in map(sub, after, before)]]
 
     def _forget_impulses(self, length: float) -> None:
-        """Set the joint impulses that the engine stores to zero, before steps of a greater length.
+        """Clear the joint impulses that the engine has stored, before steps of a greater length.
 
-        Otherwise the engine would multiply them by the ratio of the lengths.
+        Otherwise the engine would multiply the impulses by the ratio of the lengths.
         """
         for joint in self.joints:
             joint.max_force = 0.0
@@ -350,8 +350,9 @@ and the error estimate would miss the error."""
 def damped_interval(scene: Scene) -> float:
     """Return the longest interval in which the engine's steps resolve the damping.
 
-    It is infinite without damping. The time constant is that of links without joints, because the
-    engine damps the links before the joints correct their velocities.
+    It is infinite without damping, and otherwise ``MOST_DAMPING`` time constants. They are those of
+    links without joints, because the engine damps the links before the joints correct their
+    velocities.
     """
     links = scene.mechanism.links
     belt = scene.effects.damping / links[0].inertia

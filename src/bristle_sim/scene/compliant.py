@@ -193,7 +193,7 @@ class CompliantLaw(ContactLaw):
 def rigid_stiffness(
     mechanism: Mechanism, state: State, touch: ClosestApproach, pair: ContactPair, duration: float
 ) -> float:
-    """Return the contact stiffness at which a rigid wire without friction is in contact for a time.
+    """Return the stiffness with which a contact of a rigid, frictionless wire has a given duration.
 
     k = (pi (1 + e*)/(2 T))^2/K_nn with the duration T, the coefficient of restitution e* and the
     normal inverse mass K_nn = l^2/I. The lever l is that of the normal about the root, and I is the

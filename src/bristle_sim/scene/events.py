@@ -115,7 +115,7 @@ class Event:
     Attributes:
         kind: kind of the event.
         subject: contact, pair or wire of the event, as its kind states.
-        value: the function; its argument is the result of an interval, at the interval's end.
+        value: the function; its argument is a result of the integrator, which includes the state.
         direction: -1 if the value falls through zero at the event, +1 if it rises, 0 for both.
         tolerance: largest magnitude of the value at the located event; None for the run's own
             tolerance.
@@ -135,7 +135,7 @@ class Event:
     known: tuple[IntervalResult | None, float] = (None, math.nan)
 
     def at(self, result: IntervalResult) -> float:
-        """Return the event's value for a result, computed once for successive calls."""
+        """Return the event's value for a result; the last value is cached."""
         if self.known[0] is not result:
             self.known = (result, self.value(result))
         return self.known[1]

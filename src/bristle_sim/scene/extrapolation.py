@@ -192,7 +192,7 @@ class Extrapolation:
         longest: float = math.inf,
         damped_step: float = math.inf,
     ) -> None:
-        """Propose a first interval in which the links turn by about one radian."""
+        """Set the length of the first interval, in which a link rotates by about one radian."""
         self._given = repetitions
         self.table = repetitions
         self.longest = longest

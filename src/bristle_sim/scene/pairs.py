@@ -203,7 +203,7 @@ class BarPair(FixedPair):
         return distance - self.radius - thickness + self.dent, place - thickness * normal, normal
 
     def ends_passed(self, pose: Pose) -> list[float]:
-        """Return the positions of the bar's centre along each segment, from both of its ends.
+        """Return how far the bar's centre is past both ends of each segment, along the segment.
 
         There are two numbers for each straight segment of the link, from the joint to the tip: the
         distance past the segment's start, and the distance past its end, in lengths of the segment.
@@ -325,9 +325,9 @@ class WirePair:
 
 
 def _on_two_sides(line: Line, points: Line) -> bool:
-    """Return whether the ends of one segment lie on different sides of the other, extended one.
+    """Return whether two points lie on different sides of an infinite line.
 
-    ``line`` is extended to both sides; ``points`` are the two ends of the other segment.
+    ``line`` holds two points of the line.
     """
     start, end = line
     first, second = (((point - start) / (end - start)).imag for point in points)

@@ -76,7 +76,10 @@ def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
 
 
 def first_motion(system: System) -> Motion:
-    """Return the motion with which a run starts, after the touches of gaps closed at the start."""
+    """Return the motion with which a run starts.
+
+    A pair whose gap is closed at the start, and does not open, touches at once.
+    """
     motion = begin_motion(system, Motion())
     for pair in system.pairs:
         touch = system.closest(pair, system.state)
@@ -260,9 +263,9 @@ def _touch_name(system: System, pair: ContactPair) -> str:
 def _after_spring_event(
     system: System, motion: Motion, spring: SpringContact, kind: Kind
 ) -> Motion:
-    """Return the motion after an event that changes or ends the phase of a contact with a spring.
+    """Return the motion after an event of a contact with a spring.
 
-    The contact goes on in its next phase, or it ends.
+    The contact continues in another phase, or it ends.
     """
     pair: ContactPair = spring.pair
     outcome = change_spring(system, motion, spring, kind)
