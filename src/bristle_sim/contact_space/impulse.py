@@ -130,7 +130,8 @@ def contact_space(
     touch = columns[:, :2]
     rigid = span(columns[:, 2:])
     free = touch
-    # Twice is enough: the second pass removes the remainder that rounding left (Kahan and Parlett).
+    # Two projections are enough: the second removes the rounding error of the first (Kahan and
+    # Parlett).
     for _ in range(2):
         free = free - rigid @ (rigid.T @ free)
     sizes = np.sqrt((touch**2).sum(axis=0))

@@ -54,7 +54,7 @@ class RestFilter:
         self.resting = -1.0
         self.at_rest: list[Collision] = []
         self.impacts: list[Collision] = []
-        # Memory for the bodies of an arbiter, which exists only within a step: it cannot be copied.
+        # Memory for the bodies of an arbiter. It cannot be copied, so it exists only within a step.
         self._bodies: Any = None
 
     def begin(self, resting_speed: float) -> None:
@@ -111,7 +111,7 @@ class RestFilter:
             self.motion.note(joined([body]))
         self.impacts.append(Collision(arbiter, rule, seen(arbiter)))
         arbiter.friction = 0.0
-        # pymunk's own setter of the points gives all of them the place of the first one.
+        # pymunk's own setter of the points sets all points to the position of the first point.
         contact = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
         for index in range(contact.count):
             contact.points[index].pointB = contact.points[index].pointA

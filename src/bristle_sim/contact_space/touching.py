@@ -171,7 +171,7 @@ def overlaps(contact: Any) -> list[Overlap]:
         each = contact.points[index]
         a = complex(each.pointA.x, each.pointA.y)
         b = complex(each.pointB.x, each.pointB.y)
-        # The sign of the engine's own distance is right for one order of the shapes only.
+        # The engine's own distance has the right sign for one of the two orders of the shapes only.
         depth = (normal.conjugate() * (b - a)).real
         found.append(Overlap(0.5 * (a + b), normal, depth))
     return found

@@ -1,14 +1,14 @@
-"""The time-domain simulation in pymunk. Entry: ``simulate.simulate``. The
-computation is in engine units.
+"""The time-domain simulation in pymunk, in engine units.
 
-In reading order; a file imports only from files below it in this list:
+The public functions are in ``simulate``. The modules in reading order; each imports only from
+modules below it in this list:
 
 - ``snapshots``: a run interval by interval.
 - ``simulate``: the public functions; ``strike``: a single contact of a chain of rods or of a wire.
 - ``tool``: a tool's parameters as a scene in engine units; ``results``: the recorded motion and
   contacts in SI units.
 - ``run``: the loop over intervals and events, and the decision after an event; ``collisions``:
-  impacts, and the growth of the run's error over them; ``spring_phases``: the phases of a contact
+  impacts, and the growth of the run's error in them; ``spring_phases``: the phases of a contact
   with a spring.
 - ``touches``: the first event of an interval, and gaps that close.
 - ``motion``: a smooth motion, integrated interval by interval.
@@ -17,9 +17,9 @@ In reading order; a file imports only from files below it in this list:
 - ``system``: the state, the plan and the record of a run.
 - ``impacts``: the response of a contact point to an impulse, and the impact laws; ``compliant``,
   ``engine_law``: further contact laws.
-- ``spring``: a contact with springs; ``spring_force``: its forces on the bodies; ``contact``: any
-  contact that lasts, and the forces of the rigid ones.
-- ``extrapolation``: engine steps extrapolated over an interval.
+- ``spring``: a contact with springs; ``spring_force``: its forces on the bodies; ``contact``:
+  sustained contacts, and the forces of rigid contacts.
+- ``extrapolation``: the integrator: engine steps, extrapolated to the step zero.
 - ``build``: the pymunk space of a mechanism, and the engine's steps.
 - ``solver``: joint and contact forces of several links, contact forces of a single link.
 - ``pairs``: the geometry of a link and an obstacle that can touch.

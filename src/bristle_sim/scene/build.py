@@ -83,7 +83,7 @@ class Placer:
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
         """Prepare to place ``bodies``, in the order in which their values will be given."""
         self._bodies = [body._body for body in bodies]
-        # Room for another body, or the engine would move the numbers to a place of its own.
+        # The array has room for one more body; otherwise the engine would move it to other memory.
         self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
         self._numbers = ffi.new(
             "pmFloatArray *", (0, len(self.values), ffi.from_buffer("double[]", self.values))
@@ -138,7 +138,8 @@ class Scene:
         space.iterations = 1  # enough for one joint; the joints of several links are solved for
         space.collision_slop = 10.0 * SHAPE_MARGIN
         space.collision_bias = 1.0
-        # steps that the engine keeps a contact that has ended, which a record would read again
+        # Number of steps for which the engine stores a contact that has ended. A contact stored for
+        # longer would be recorded a second time.
         space.collision_persistence = 1
         if effects.gravity:
             space.gravity = (0.0, -effects.gravity)
@@ -195,7 +196,7 @@ class Scene:
         values: list[float] = []
         if self.hub is not None:
             hub_angle = self.mechanism.root_angle(state.time + drift)
-            # Rounding of an angle grows with its size, and extrapolation magnifies it.
+            # The rounding error of an angle grows with the angle, and extrapolation amplifies it.
             self.turned = math.tau * round(hub_angle / math.tau)
             values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
         for pose, angle, rate in zip(
@@ -277,7 +278,7 @@ class Scene:
                 solve(length)
         after = [*map(rate, links)]
         if len(links) == 1:
-            # without lists, which would make a pass slower by a thirtieth
+            # without lists, with which a pass would take a thirtieth longer
             return [angle(links[0]), *after, (after[0] - before[0]) / length]
         angles = [*map(angle, links)]
         if symmetric:
@@ -292,8 +293,8 @@ class Scene:
         """
         for joint in self.joints:
             joint.max_force = 0.0
-        # The first step still applies them, to bodies that are put back; the second leaves those of
-        # contacts right.
+        # The first step still applies the stored impulses, so the bodies are placed again after it.
+        # The second step stores the right impulses of contacts.
         for _ in range(2):
             self._kept.keep()
             self._engine_step(length)

@@ -1,4 +1,4 @@
-"""Impacts at one instant, the contacts after them, and the growth of the run's error over them.
+"""Impacts at one instant, the contacts after them, and the growth of the run's error in them.
 
 :func:`bristle_sim.scene.run.decide` calls the functions of this module.
 """
@@ -82,7 +82,7 @@ def resolve_impacts(
     contacts = motion.contacts
     known = [contact for contact in contacts if contact.pair is pair]
     if known:
-        # Another straight segment of the same link takes over the contact.
+        # The contact passes to another straight segment of the same link.
         contacts = end_contacts(system, contacts, known, pair.name)
     elif single_link:
         ending = motion.ordered
@@ -251,9 +251,11 @@ def propagate_error(
     for off in (error, -error):
         early = neighbour(off, 0.0)
         late = -early.gap / (early.velocity[0] or math.inf)
-        # Where the contact stays, its force undoes what the acceleration adds to a later approach.
+        # If the contact stays closed, its force cancels what the acceleration adds to the approach
+        # speed of a later touch.
         other = early if stays else neighbour(off, late)
-        # A jump is proportional to the speed of approach, of a single link also to 1/lever.
+        # A jump is proportional to the approach speed. That of a single link is also proportional
+        # to 1/lever.
         jump = approach
         changed = other.velocity[0]
         if system.mechanism.single_link:

@@ -108,14 +108,15 @@ class CompliantLaw(ContactLaw):
         touch = point.touch
         approach = touch.velocity[0]
         rigid = impact_at(point, touch.velocity, pair)
-        unloading = restitution or 1.0  # time over that of loading; 1 where it ends at the deepest
+        # Ratio of unloading time to loading time; 1 if the contact ends with compression.
+        unloading = restitution or 1.0
         fastest = max(1.0, *map(abs, state.rates))
-        # A stiffer tangential spring is taken as rigid in a contact in time; the impact law takes a
-        # mean there.
+        # A tangential spring of less compliance is omitted here. The impact law takes the mean of
+        # its fast oscillations instead.
         compliance = (
             self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
         )
-        # A tangential spring multiplies rounding of places by its stiffness.
+        # A tangential spring amplifies the rounding error of positions by its stiffness.
         rounding = max(1.0, 1.0 / compliance) if compliance else 1.0
         duration = self.duration or self._shortest(scene, fastest, unloading / math.sqrt(rounding))
         depth = -approach * duration * unloading
@@ -125,8 +126,9 @@ class CompliantLaw(ContactLaw):
             return None
         if self.stiffness is None and scene.effects.hinges:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
-        # The stiffness belongs to the surface: later touches have the same one. In the rigid-body
-        # limit each touch of a single link has its own; it sets the time alone.
+        # The stiffness is a property of the surface, so later touches have the same stiffness. In
+        # the rigid-body limit each touch of a single link has its own stiffness, which determines
+        # the duration alone.
         stiffness = self.stiffness or stiffness_for_duration(rigid, approach, restitution, duration)
         self.stiffness = self.stiffness if self.duration is None else stiffness
         longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
@@ -135,7 +137,8 @@ class CompliantLaw(ContactLaw):
             rigid = impact_at(point, touch.velocity, pair, compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
-        # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
+        # The lightest link has the moment of inertia 1/3. At a normal velocity v its angular
+        # velocity is v/sqrt(K_nn/3).
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         least = turning * FORCE_ROUNDING / (duration * unloading)
         tolerance = max(0.1 * self.accuracy, least)

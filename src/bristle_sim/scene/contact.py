@@ -207,7 +207,7 @@ class RigidContacts:
         for contact in self.closed:
             pair = contact.pair
             if pair.partner is not None or len(mechanism.links[pair.link].corners) > 2:
-                # At a corner two segments touch; the moment decides between them.
+                # At a corner two segments touch. The motion in the time MOMENT selects one.
                 later = _a_moment_later(state)
                 contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
         self.scene.keep_closed(self.closed)

@@ -86,8 +86,8 @@ class EngineLaw(ContactLaw):
             rates_before=state.rates,
             rates_after=rates,
             outcome="rebound" if velocity[0] > 0.0 else "no rebound",
-            # The sign of the engine's impulse depends on the order of the shapes; a contact only
-            # pushes.
+            # The sign of the engine's impulse depends on the order of the shapes. A contact can
+            # only push, so the normal impulse must be positive.
             impulse=(push, rub) if push >= 0.0 else (-push, -rub),
             compressive_impulse=None,
             compressive_work=None,

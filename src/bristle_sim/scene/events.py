@@ -312,7 +312,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         return OVERDUE_DURATIONS - (at.state.time - spring.start.time) / duration
 
     falls = partial(Event, subject=spring, tolerance=tolerance)
-    # This event ends contacts that follow the impact law and would not end otherwise.
+    # A contact in the rigid-body limit that other forces press on would not end without this event.
     if system.follows_law(spring):
         yield falls(Kind.OVERDUE, value=left)
     # The depth below the earlier maximum rises from zero and may fall back at once: only values

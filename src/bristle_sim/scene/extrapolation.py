@@ -246,7 +246,7 @@ class Extrapolation:
                 columns = [*zip(*results, strict=True)]
                 differences = table.differences[row]
                 errors = [abs(sum(map(mul, differences, each))) for each in columns[: 2 * links]]
-                # With a NaN among them, the largest of numbers depends on their order.
+                # If one error is NaN, the result of max depends on the order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
                 if error <= self.noise and step <= self.damped_step:
                     if self.damped_step < math.inf:
@@ -261,8 +261,8 @@ class Extrapolation:
             values = [sum(map(mul, weights, each)) for each in columns[: 2 * links]]
             values += [sum(map(mul, others, each)) for each in columns[2 * links :]]
             if error == math.inf:
-                # The engine turns a body at its old angle to the place that is set; a second
-                # placing is free of NaN.
+                # To place a body the engine uses its old angle, which is NaN here. After a second
+                # placing no NaN remains.
                 scene.put(None)
             if halved:
                 best = [sum(map(mul, weights, each)) for each in zip(*halves, strict=True)]
@@ -302,7 +302,8 @@ class Extrapolation:
         length = lengths[best]
         more = best == max(prices) and best + 1 < bisect(table.noise, limit)
         if more and prices[best] < 0.9 * prices.get(best - 1, math.inf):
-            # Still getting cheaper: one more repetition, with the interval that would keep the price.
+            # The cost still falls with the number of repetitions: try one more repetition, with the
+            # interval at which it has the same cost per time.
             length *= table.costs[best + 1] / table.costs[best]
         accurate = result.error <= limit
         if not accurate:

@@ -175,8 +175,8 @@ def _zero(
     time = max(locate(lambda time: value(integrate_to(time)), *ends, tolerance), interval.instant)
     back = 1e-12
     while (result := integrate_to(time)).failed and back < 1.0:
-        # In a step beyond the release the contact would pull; the last step before the release is
-        # accurate.
+        # Beyond the release the contact would have to pull, and the integration fails. An interval
+        # that ends just before the release is accurate.
         time = time * (1.0 - back)
         back = 10.0 * back
     return result
@@ -201,7 +201,8 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     slope = 0.5 * (after - before)
     at = 0.25 * (least - slope / bend) if bend > abs(slope) else 0.0
     if at < EARLIEST_EXTREME or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * max(values):
-        # without an extreme inside, or with one far above zero, the sign does not change twice
+        # Without an extreme in the interval, or with one far above zero, the sign does not change
+        # twice.
         return interval
     part = interval.integrate_to(at * length)
     return interval.up_to(part) if sense * event.value(part) < 0.0 else interval

@@ -157,7 +157,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     result = integrate_to(length)
     rigid = motion.rigid
     if rigid is not None and first and result.failed:
-        # The shortest interval shows whether the force is gone from the beginning.
+        # The shortest interval shows whether the normal force is zero from the beginning.
         shortest = min(length, system.plan.shortest)
         at_once = integrate_to(shortest)
         if rigid.fails(at_once.totals):
@@ -198,7 +198,7 @@ def _lost(
     plan = system.plan
     first = motion.before is None
     if first and length > plan.instant:
-        # An interval of an instant shows whether the force is gone from the beginning.
+        # An interval of the length ``instant`` shows whether the force is zero from the beginning.
         motion.limit = plan.instant
         return None
     lost = [
@@ -296,7 +296,7 @@ def _proposed(system: System, motion: Motion) -> float:
     plan = system.plan
     stepper = system.stepper
     left = plan.end - system.state.time
-    # A flight of rigid bristles is sampled in the middle of its intervals too.
+    # In a flight of rigid bristles the middle of an interval is a sample too.
     samples = 2.0 if motion.load is None and not system.mechanism.jointed else 1.0
     longest = min(
         samples * plan.longest_interval,

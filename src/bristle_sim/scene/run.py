@@ -144,8 +144,8 @@ def _sense_after(system: System, event: Happening) -> int:
         return int(event.detail)
     if event.kind is Kind.BREAKS_AWAY:
         return -1 if contact.tangential > 0.0 else 1
-    # Geometry and hub alone determine how a single link slips: its slip reverses where several
-    # links may stick.
+    # Geometry and hub alone determine how a single link slips, so the slip that stops is reversed.
+    # Several links may stick.
     return -(contact.slip or 0) if system.mechanism.single_link else 0
 
 
@@ -167,7 +167,8 @@ def begin_motion(system: System, given: Motion) -> Motion:
     if ordered:
         motion.rigid = _closed_contacts(system, ordered)
         if system.mechanism.single_link and not springs:
-            # From here on the geometry gives angle and rate, whatever their errors before.
+            # The geometry alone determines angle and angular velocity from here on, so their
+            # earlier errors have no effect.
             system.recording.error = system.recording.summed
     for contact in active:
         contact.start = contact.start or system.state
@@ -234,8 +235,8 @@ def _contact_begun(
     began = None
     if all(contact.pair is not pair for contact in motion.contacts):
         if rests and not (system.mechanism.single_link or law.finite_duration):
-            # Coupled links would excite each other's small rebounds for ever: all touching links
-            # come to rest together.
+            # Coupled links would excite each other's small rebounds without end. Instead all
+            # touching links come to rest together.
             began = ActiveContact(pair)
         elif not law.instantaneous and -system.approach(pair) > system.slow:
             began = begin_spring(system, motion, pair)
@@ -278,7 +279,7 @@ def _after_spring_event(
     staying = end_contacts(system, motion.contacts, [spring], outcome)
     gap = system.closest(pair, system.state).gap
     if gap < -system.plan.accuracy:
-        # The tip is left in a dent, whose ground is the surface from here on.
+        # The tip remains in a dent. The bottom of the dent is the surface from here on.
         ground = replace(pair, dent=pair.dent - gap)
         system.pairs[system.pairs.index(pair)] = ground
         pair = ground
@@ -287,8 +288,8 @@ def _after_spring_event(
         system.sample()
         jam(system, pair)
         return Motion(staying)
-    # A spring without restitution pushes no more: where the tip is pressed on, it touches the
-    # ground of its dent.
+    # A spring without restitution exerts no force after compression. A tip that is pressed on then
+    # touches the bottom of its dent.
     spent = outcome is Outcome.NO_REBOUND and not system.follows_law(spring)
     leaves = outcome is Outcome.REBOUND and system.approach(pair) > system.slow
     again = None if leaves else pressed_on(system, Motion(staying), pair)

@@ -232,7 +232,7 @@ class WireVelocities:
         change = response @ impulses
         self._rates += change
         self._velocities += self._of_each_wire(1j * turn * change, mechanism.constants.arms)
-        # The mean of old and new velocities changes by half of an impulse.
+        # An impulse p in a symmetric step changes the mean of old and new velocities by M^-1 p/2.
         impulses *= 2.0 if self.symmetric else 1.0
         push = impulses[: len(normals)]
         rub = ratios * push

@@ -274,7 +274,7 @@ class SpringContact(ActiveContact):
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def off_balance(self, velocity: Vector) -> float:
-        """Return the excess of the tangential velocity over its value at a balance of forces.
+        """Return the tangential velocity minus its value at a balance of forces.
 
         At the balance the tangential acceleration that the contact forces give the contact point is
         stationary during loading: v_t = -eta^2 v_n K_nt/K_tt.

@@ -32,8 +32,8 @@ PROBED_FRACTION = 0.02
 fraction of the contact's duration."""
 
 CONE_ROUNDING = 1e-9
-"""Excess of a force in stick over the friction limit, as a fraction of the limit, up to which it is
-rounding error."""
+"""Largest difference between a force in stick and the friction limit, as a fraction of the limit,
+that is rounding error if the force exceeds the limit."""
 
 
 def begin_spring(
@@ -100,7 +100,8 @@ def change_spring(
     outcome = _change(system, motion, spring, kind)
     if outcome is not None:
         return outcome
-    # Vibrating bodies may press the contact point on again.
+    # Bodies that vibrate may press the contact point in a second time, so their contact is not
+    # ended early.
     quiet = not spring.loading and (system.mechanism.single_link or system.follows_law(spring))
     least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
     if quiet and penetration - spring.residual < least:
@@ -111,7 +112,7 @@ def change_spring(
     if spring.jams and (kind is Kind.BALANCED if spring.elastic else turned and not spring.slip):
         if not spring.finite_duration:
             return Outcome.JAM
-        # The bodies move during the contact and may still leave it.
+        # The bodies move during the contact, so it may still end with a rebound.
         counts = (len(spring.rows), len(spring.phases))
         spring.stopped_at = (system.state, spring.impulse, spring.work, *counts)
     return None
@@ -135,7 +136,7 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
                 system.state, spring.impulse, spring.work, rows, phases = spring.stopped_at
                 del spring.rows[rows:], spring.phases[phases:]
                 spring.compression = None
-            # A contact that would rebound by the law stays: the root presses it on.
+            # The law predicts a rebound, but the force at the root presses the tip on: it stays.
             rebounds = spring.predicted == Outcome.REBOUND
             return Outcome.STICTION if rebounds else Outcome(spring.predicted)
         case Kind.PRESSED_ON:
@@ -149,12 +150,12 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
             sense = spring.slip
             _settle_slip(system, motion, spring)
             if spring.elastic:
-                # The foot's velocity falls through zero: the force turns back from the cone's edge.
-                # Without friction the point swings.
+                # The foot's velocity falls through zero, so the force returns from the cone's edge
+                # into the cone. Without friction the cone is a line, and the slip is reversed.
                 spring.slip = 0 if spring.friction else -sense
             stopped = not (spring.elastic or spring.slip) and _ends_in_stiction(system, spring)
-            # Slip and compression of one degree of freedom stop together, up to the motion during
-            # the contact.
+            # With one degree of freedom slip and compression end together, except for the effect of
+            # the motion during the contact.
             at_touch = -system.closest(spring.pair, spring.start).velocity[0]
             together = -system.approach(spring.pair) <= STOPS_TOGETHER * at_touch
             if spring.loading and (stopped or together):
@@ -269,7 +270,8 @@ def _probe(system: System, motion: Motion, spring: SpringContact) -> tuple[Inter
     """
     others = [other for other in motion.springs if other is not spring]
     load = ContactLoad(system.scene, motion.rigid, [spring, *others])
-    # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
+    # If the last link is heavy, the time scale of slip, pi/sqrt(k K), is far below the contact's
+    # duration.
     normal, coupling = spring.inverse_mass[0]
     most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
     length = PROBED_FRACTION * min(spring.duration, math.pi / math.sqrt(most) if most else math.inf)

@@ -258,8 +258,8 @@ def strike_wire(
     record, states = struck(scene, start, pair, settings, law)
     if flight > 0.0:
         after = states[-1]
-        # Samples of the free motion are as far apart as in the contact. The motion may take a tenth
-        # of the step budget.
+        # The free motion has the same sampling interval as the contact, and takes at most a tenth
+        # of the permitted number of steps.
         longest = min(duration / units.time / SAMPLES_OF_A_COURSE, damped_interval(scene))
         fastest = max(1.0, *map(abs, after.rates))
         stepper = Extrapolation(0.1 * settings.accuracy * fastest, longest=longest)

@@ -164,7 +164,7 @@ class System:
         self.state = start
         self.flight = flight
         self.stepper = flight
-        # A damped spring turns an error of the rate into one of the acceleration.
+        # With a damped spring an error of the angular velocity causes one of the acceleration.
         damping = scene.effects.damping / scene.mechanism.links[0].inertia_about_joint
         self.noise = max(LEAST_VALUE, flight.noise * (1.0 + damping))
         self.recording = Recording()

@@ -46,7 +46,7 @@ the error of the time is the gap divided by the approach speed, which may be sma
 
 OPENING = (
     1.0 / 16.0
-)  # time in which the gap of a released pair must open, over the interval between samples
+)  # time in which the gap of a released pair must open, as a fraction of the sampling interval
 MOST_FASTER = 1.5
 """Ratio of the opening velocity of a gap at the end of the time ``OPENING`` to that at its start,
 above which a rebound that ends within this time is searched for."""
@@ -121,8 +121,8 @@ def _search_hop(
     gap = closest(interval.at(instant)).gap
     if gap <= 0.0 and instant < length:
         gap = gap_at(integrate_to(instant))
-    # A small rebound of a single rigid link has no effect. Of several links, one may rebound while
-    # another is pressed on.
+    # A small rebound of a single rigid link has no effect. With several links, one link may rebound
+    # while another is pressed on.
     low = (
         system.mechanism.single_link
         and system.law_of(pair).instantaneous
@@ -226,7 +226,7 @@ def _integrated_touch(
     integrate_to = interval.integrate_to
     touch = closest(integrate_to(last).state)
     while touch.gap > 0.0 and touch.velocity[0] > 0.0 and last - begin > SHORTEST_INTERVAL:
-        # The gap opens again, so it is closed or least before.
+        # The gap is opening at ``last``, so its minimum or its zero is earlier.
         last = 0.5 * (begin + last)
         touch = closest(integrate_to(last).state)
     if touch.gap < 0.0:
