@@ -69,16 +69,18 @@ ANY_DURATION = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class FilmMap:
-    """The map of the measures over wire damping and contact duration, and its nearest point.
+    """A map of strike measures, and its point nearest to the measured values.
+
+    The map extends over the damping of the wire and the duration of the contact.
 
     Attributes:
         grid: parameters of the map and of the camera.
         dampings: damping ratios of the wire's bending, one for each row of the map.
         durations: durations of a rigid bristle's contact (s), one for each column.
-        results: measures over the map by name; NaN without a strike.
-        nearest: row and column of the point that comes nearest to the measured values.
-        tool: tool of the nearest point.
-        run: whole pass of that tool.
+        results: measures at all points of the map, by name; NaN without a strike.
+        nearest: row and column of the point whose measures come nearest to the measured values.
+        tool: tool with the damping and contact duration of the nearest point.
+        run: simulated pass of this tool.
     """
 
     grid: FilmGrid
@@ -91,10 +93,10 @@ class FilmMap:
 
     @property
     def frames(self) -> Array:
-        """Return the instants at which the camera's shutter opens (s) from half a millisecond
-        before the strike to half a millisecond after it.
+        """Instants at which the camera's shutter opens, s.
 
-        The strike is midway between two of them.
+        They extend from half a millisecond before the strike to half a millisecond after it. The
+        strike is midway between two of them.
         """
         strike = self.run.event_time("strike") or 0.0
         step = 1.0 / self.grid.frame_rate
@@ -103,8 +105,10 @@ class FilmMap:
 
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
-    """Map number of touches, compression time and crater depth over contact duration and wire
-    damping, and vary the tool of the nearest point.
+    """Map touches, compression time and crater depth, and find the point nearest to measurement.
+
+    The map extends over the duration of the contact and the damping of the wire. The nearest
+    point's tool is then varied in shape, number of links and friction.
 
     Raises:
         ValueError: if no pass of the map strikes, or the optional dependencies ``sweep`` are not
@@ -180,10 +184,10 @@ def _strike_time(tool: Tool, settings: Settings) -> float:
 
 
 def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
-    """Simulate a strike of the tool with some of its parameters changed, and return its MEASURES.
+    """Simulate a strike of the tool with some of its parameters changed, and return its measures.
 
-    The pass ends half a millisecond after the first touch. Compression time and slide are None
-    unless the contact law is ``compliant``.
+    MEASURES has their names and units. The pass ends half a millisecond after the first touch.
+    Compression time and slide are None unless the contact law is ``compliant``.
 
     Args:
         settings: accuracy and limits of the simulation.
@@ -213,9 +217,10 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
 
 
 def _variants(best: Tool, knee: float, settings: Settings) -> list[dict[str, Any]]:
-    """Return the measures of the nearest point with another shape, number of links or friction.
+    """Return the measures of the tool ``best`` with another shape, number of links or friction.
 
-    A variant that cannot be simulated has the reason under ``failure``.
+    ``knee`` is the angle of the bent shapes, deg. A variant that cannot be simulated has the reason
+    under ``failure``.
     """
     links = best.bristle.links
     changes: dict[str, dict[str, float]] = {

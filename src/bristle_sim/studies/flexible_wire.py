@@ -53,8 +53,8 @@ FREQUENCIES = {
 
 REFERENCE_ACCURACY = 1e-9
 REFERENCE_FRICTION = 10.0
-"""Largest coefficient of friction for which the reference is computed. Friction shortens the slip,
-and the steps of the reference with it."""
+"""Largest coefficient of friction for which the reference is computed. Higher
+friction shortens the slip, which the reference then resolves by shorter steps."""
 
 NO_REFERENCE = (
     "There is a reference for the frequencies alone: with a friction of more than"
@@ -67,13 +67,13 @@ LONGEST_CONTACT = 10.0
 
 @dataclass(frozen=True, slots=True)
 class FlexibleStrike:
-    """A strike of a wire's end on a contact of given stiffness.
+    """A strike of a wire's end on an elastic contact.
 
     Attributes:
         tool: tool whose workpart touches the end of the radial wire at ``impact_angle``.
         impact_angle: angle between the radial wire and the workpart's normal, rad.
         rate: angular velocity of all links before the strike, rad/s.
-        contact: time (s) that the contact would last if the wire were rigid; it determines the
+        contact: duration that the contact would have if the wire were rigid, s. It determines the
             stiffness of the contact.
         settings: accuracy and limits of the simulation.
     """
@@ -88,9 +88,9 @@ class FlexibleStrike:
     def stiffness(self) -> float:
         """Stiffness of the contact, N/m.
 
-        It follows from the contact's duration and the rigid bristle's inverse normal mass at the
-        tip, K_nn = L^2 sin^2(gamma)/I, with its length L, its inertia I about the root, and the
-        impact angle gamma.
+        It follows from the duration of the rigid bristle's contact and the bristle's inverse normal
+        mass at the tip, K_nn = L^2 sin^2(gamma)/I. L is the bristle's length, I its inertia about
+        the root, and gamma the impact angle.
         """
         bristle = self.tool.bristle
         part = self.tool.workpart
@@ -108,7 +108,7 @@ class FlexibleStrike:
         return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
     def run(self, flight: float = 0.0) -> ChainStrike:
-        """Simulate the strike, and the free motion for the time ``flight`` (s) after it."""
+        """Simulate the strike, and the free motion for ``flight`` seconds after it."""
         return strike_wire(
             *self._start(), self.settings, duration=self.contact.duration, flight=flight
         )
@@ -133,7 +133,13 @@ class FlexibleStrike:
 
 @dataclass(frozen=True, slots=True)
 class FlexibleWire:
-    """The requested strike, and its simulations with the wire of links and with the rigid bristle."""
+    """The simulated strikes that the study compares.
+
+    Attributes:
+        strike: the requested strike.
+        wire: simulated strike of the wire of links.
+        rigid: simulated strike of the rigid bristle.
+    """
 
     strike: FlexibleStrike
     wire: ChainStrike
@@ -154,7 +160,7 @@ def flexible_wire(
     """Simulate the strike of a wire of links, and compare it with the strike of the rigid bristle.
 
     Raises:
-        ValueError: for values that contradict each other, or a contact that does not end.
+        ValueError: if parameters contradict each other, or the contact does not end.
     """
     if not hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or nothing strikes (in rad/s)")
@@ -212,10 +218,9 @@ def _answer(
 
 
 def again(wire: ChainStrike) -> float | None:
-    """Return the instant at which the wire's end enters the workpart a second time, s after the
-    first touch.
+    """Return the instant at which the wire's end touches the workpart a second time.
 
-    It is None if the end does not do so within the simulated time.
+    It is in s after the first touch; None if there is no second touch within the simulated time.
     """
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
@@ -225,8 +230,8 @@ def again(wire: ChainStrike) -> float | None:
 def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
     """Return the measures of the strike by the independent reference solution.
 
-    The dictionary is empty if the reference takes too many steps. It has no ratio to the rigid
-    bristle if the rigid bristle does not rebound.
+    They include the ratio of the impulse to the rigid bristle's impulse if the rigid bristle
+    rebounds. The dictionary is empty if the reference takes too many steps.
     """
     from bristle_sim.reference import TooStiffError
 
@@ -241,10 +246,12 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
-    """Return impulse, peak force, duration and crater depth of a contact, in the units of MEASURES.
+    """Return impulse, peak force, duration and crater depth of a contact.
+
+    MEASURES has their names and units.
 
     Raises:
-        ValueError: if the contact has no history over time, because the wire's end barely touches.
+        ValueError: if the contact has no time history, because the wire's end barely touches.
     """
     if contact.history is None or contact.compressive_work is None:
         raise ValueError(
@@ -259,15 +266,18 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """Return each measure of a strike over the same measure of another one; NaN over 0."""
+    """Return each measure of the first strike divided by that of the second; NaN for a divisor of
+    0.
+    """
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 
 def tool_at_surface(
     hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float
 ) -> Tool:
-    """Return a tool whose workpart just meets the end of the wire that stands radially at the
-    impact angle, rad.
+    """Return a tool whose workpart just touches the end of the radial wire at the impact angle.
+
+    ``impact_angle`` is the angle between the wire and the workpart's normal, rad.
 
     Raises:
         ValueError: if the angle is so large that the hub's rim would touch the workpart.
@@ -286,8 +296,9 @@ def tool_at_surface(
 
 
 def _frequencies(tool: Tool, with_reference: bool) -> tuple[Quantity, ...]:
-    """Compare the bending frequencies of the simulated wire with theory: a continuous beam, and a
-    chain of links.
+    """Compare the simulated wire's bending frequencies with those of a beam.
+
+    The reference frequencies are those of a chain of links.
     """
     bristle = tool.bristle
     wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus)

@@ -38,20 +38,20 @@ PRINTED = {
 }
 """Where the dissertation prints the value of each quantity."""
 
-# Largest root mean square difference, over the peak force, at which a record counts as having the
-# form (3.3). A half sine differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
+# Largest root mean square difference, divided by the peak force, at which a record counts as having
+# the form of eq. 3.3. A half sine differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
 FORM = 0.05
-CERTAIN = 5.0  # largest difference that noise alone explains, in standard deviations
+CERTAIN = 5.0  # largest difference that is attributed to noise, in its standard deviations
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredForce:
-    """Measured points of a contact, shape (n,), and the curve fitted to them.
+    """Measured points of a contact, and the curve fitted to them.
 
     Attributes:
-        time: times since the start of the fitted contact, s. They begin half of its duration before
-            the contact, and end half of its duration after it.
-        force: forces above the baseline, N.
+        time: times of the points since the start of the fitted contact (s), shape (n,). They extend
+            beyond the contact by half of its duration on both sides.
+        force: forces above the baseline (N), shape (n,).
         fit: the fitted curve with its standard errors.
         reading: sentence that names the columns and units in which the file was read.
     """
@@ -67,10 +67,9 @@ class ForceComparison:
     """Results of the comparison, from which its figures are drawn.
 
     Attributes:
-        curve: the curve (3.19), or the curve fitted to measured points.
-        contact: the simulated contact; None if the bristle cannot have a contact with the requested
-            values.
-        measured: the measured points, if given.
+        curve: force curve by eq. 3.19 of the dissertation, or the curve fitted to measured points.
+        contact: the simulated contact; None if no contact of the bristle has the requested values.
+        measured: the measured points; None without a measurement.
         no_contact: reason why there is no contact.
     """
 
@@ -88,8 +87,10 @@ def force_comparison(
     measurement: Measurement,
     settings: Settings,
 ) -> Report:
-    """Compare the force of a simulated contact with the curve of chapter 3, or with a curve fitted
-    to measured points.
+    """Compare the force of a simulated contact with the dissertation's curve (chapter 3).
+
+    If a measurement is given, a curve fitted to the measured points replaces the dissertation's
+    curve.
 
     Raises:
         ValueError: if the measured points are not the force of a contact.
@@ -170,10 +171,10 @@ def _answer(curve: str, main: Sequence[Quantity], no_contact: str) -> str:
 
 
 def _as_dict(fit: ForceFit) -> dict[str, Any]:
-    """Return a fit as a dictionary for the JSON.
+    """Return a fit as a dictionary for the JSON output.
 
-    It holds the fitted values and their standard errors by name, the start of the contact (s),
-    the baseline (N) and the root mean square of the residuals (N).
+    It holds the fitted values and their standard errors by name, the start of the contact (s), the
+    baseline (N) and the root mean square of the residuals (N).
     """
     return {
         "start": fit.start,
@@ -185,7 +186,7 @@ def _as_dict(fit: ForceFit) -> dict[str, Any]:
 
 
 def _measured_force(measurement: Measurement) -> MeasuredForce:
-    """Read the file of a measurement, and fit a curve to it.
+    """Read the file of a measurement, and fit a curve to its points.
 
     Raises:
         ValueError: if the file does not hold the force of a contact. The message is one line that
@@ -211,7 +212,10 @@ def _measured_force(measurement: Measurement) -> MeasuredForce:
 
 
 def _misfit(measured: MeasuredForce) -> Quantity:
-    """Return the root mean square of a fit's residuals beyond the noise, over the peak force."""
+    """Return the root mean square residual of a fit without the measurement noise.
+
+    It is divided by the peak force. The noise is estimated from second differences of the force.
+    """
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's
     peak = measured.fit.curve.peak_force()
     noise = float(second @ second) / 6.0 / second.size / peak**2

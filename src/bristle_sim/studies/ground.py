@@ -29,23 +29,26 @@ from bristle_sim.parameters import Blasting
 from bristle_sim.theory.crater_body import CraterBody
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles, section_heights
 
-# Number of strikes between two searches for the highest cell. Its height limits the cells that a
-# strike can cut, and never rises.
+# Number of strikes between two searches for the highest cell. The height of this cell limits the
+# cells that a strike can cut. It never rises, so an older value is safe.
 HIGHEST_EVERY = 64
-# Number of cells along the slide in the width of a cell across it; along the slide they are finer,
-# since Rz is measured there, over sharp ridges
+# Width of a cell across the slide, divided by its length along the slide. Cells are shorter along
+# the slide, since Rz is measured in that direction and the ridges are sharp.
 CELLS_ALONG = 2
-# Ratio of the height of the first window tried to the height that the strike before needed
+# Height of the first window that a strike tries, divided by the height that the strike before
+# needed
 MARGIN = 1.1
 
 
 def floor_of_volume(above: Array, volume: float) -> float:
-    """Return the height z_0 down to which cells of unit area must be cut to remove a given volume.
+    """Return the height z_0 down to which cells must be cut to remove a given volume.
 
-    z_0 solves sum of max(above - z_0, 0) = volume, in the unit of the heights. The search first
-    spreads the volume over all cells; the height is then too low if some cells are below it.
-    Without these cells it rises, until no cell is below it (Michelot 1986). Three columns, of which
-    the highest two give up a volume of 3:
+    z_0 solves sum of max(above - z_0, 0) = volume, where ``above`` are the heights of cells of unit
+    area. The first trial height would spread the volume over all cells; it is too low if some cells
+    are below it. These cells are left out, which raises the trial height, until no remaining cell
+    is below it (Michelot 1986).
+
+    Here the two highest of three cells lose a volume of 3:
 
     >>> floor_of_volume(np.array([1.0, 4.0, 0.0]), 3.0)
     1.0
@@ -60,15 +63,17 @@ def floor_of_volume(above: Array, volume: float) -> float:
 
 @dataclass(eq=False)
 class Ground:
-    """Grid of ground heights, a plane at first, which every strike changes.
+    """Grid of ground heights, which is plane at first and is changed by every strike.
 
     Attributes:
         body: shape of the crater that a strike cuts.
-        blasting: size and cells of the ground, and the rule for z_0.
-        heights: heights above the original plane (m), shape (across, along).
+        blasting: size and cells of the ground, and the rule for the height of a crater's deepest
+            point.
+        heights: heights above the original plane (m), shape (across, along); "along" is the
+            direction in which the tip slides.
         cell: width of a cell across the slide, m; ``step`` is its length along the slide.
-        covered: number of cells that were struck.
-        taken: volumes that the strikes removed, in their order, m^3.
+        covered: number of cells that were struck at least once.
+        taken: volume that each strike removed, in the order of the strikes, m^3.
     """
 
     body: CraterBody
@@ -87,14 +92,15 @@ class Ground:
 
     @property
     def coverage(self) -> float:
-        """Return the fraction of the ground that was struck."""
+        """Fraction of the ground that was struck."""
         return self.covered / self.heights.size
 
     def strike(self, x: float, y: float, depth: float) -> None:
         """Cut one crater into the ground.
 
-        On a plane its outline would have its middle at (x, y), in m, and its depth would be
-        ``depth``, m.
+        Args:
+            x, y: middle of the outline that the crater would have on a plane, m.
+            depth: depth that the crater would have on a plane, m.
         """
         if len(self.taken) % HIGHEST_EVERY == 0:
             self._highest = float(self.heights.max())
@@ -115,13 +121,15 @@ class Ground:
         self.heights[place] = cut
 
     def _by_volume(self, x: float, y: float, depth: float) -> tuple[Any, Array, Array]:
-        """Find the height at which the crater removes the volume of the strike.
+        """Find the height at which the crater shape removes the volume of a crater on a plane.
 
-        The grid's window is large enough if the crater's shape at its edge is above the highest
-        cell.
+        The search is limited to a window of cells. The window is enlarged until the crater shape at
+        its edge is above the highest cell.
 
         Returns:
-            The cells that the strike may cut, their heights, and the shape at the height found.
+            Indices of the window's cells.
+            Heights of these cells before the strike, m.
+            Heights of the crater shape there, m.
         """
         volume = float(self.body.volume(depth)) / (self.cell * self.step)
         height = MARGIN * max(self._needed, depth)
@@ -135,10 +143,10 @@ class Ground:
             height = MARGIN * self._needed
 
     def _window(self, x: float, y: float, height: float) -> tuple[Any, Array]:
-        """Return the cells where the crater's shape is at most ``height`` above its lowest point,
-        and the shape there.
+        """Return the indices of the cells near (x, y), and the crater shape's heights there.
 
-        There is at least one cell.
+        The cells are those where the shape is at most ``height`` above its lowest point (m), but at
+        least one cell.
         """
         start, end, side = self.body.reach(height)
         along, dx = _cells(x, start, end, self.step, self.heights.shape[1])
@@ -149,10 +157,19 @@ class Ground:
 def _cells(
     middle: float, start: float, end: float, step: float, period: int
 ) -> tuple[NDArray[np.int_], Array]:
-    """Return the indices of the cells between two distances from ``middle``, and the cells'
-    distances from it, m.
+    """Return the cells between two distances from ``middle``, along one axis of the grid.
 
     The grid is periodic. No cell occurs twice.
+
+    Args:
+        middle: coordinate from which distances are measured, m.
+        start, end: smallest and largest distance of a cell, with sign, m.
+        step: size of a cell, m.
+        period: number of cells of the grid along the axis.
+
+    Returns:
+        Indices of the cells.
+        Distances of the cells from ``middle``, m.
     """
     first = math.ceil((middle + start) / step)
     last = max(math.floor((middle + end) / step), first)
@@ -166,10 +183,11 @@ def _cells(
 
 INSTANTS = 12  # number of instants at which roughness and coverage are recorded
 MOST_STRIKES = 200_000  # largest number of strikes on a surface; they take some minutes
-# Largest number of iterations of the search for the feed that gives a coverage; two to four are usual
+# Largest number of iterations of the search for the feed that gives a coverage. Usually it takes
+# two to four.
 COVERAGE_ROUNDS = 8
-# Largest error of the coverage at which that search ends, and largest error that is accepted after
-# its last iteration
+# Error of the coverage at which the search for the feed ends, and largest error that is accepted
+# after its last iteration
 COVERAGE_TOLERANCE = 1e-3
 COVERAGE_ACCEPTED = 1e-2
 SPREAD = 3.0  # largest deviation of a depth from the mean, in standard deviations
@@ -180,9 +198,9 @@ class Blasted(NamedTuple):
 
     Attributes:
         ground: the ground.
-        places: middle (x, y) of each crater's outline (m) in the order of the strikes.
-        depths: depth of each crater on a plane, m.
-        course: number of strikes, Rz (m), coverage and mean depth (m) at some instants, by name.
+        places: middle (x, y) of each crater's outline (m), in the order of the strikes.
+        depths: depth that each crater would have on a plane, m.
+        course: number of strikes, Rz (m), coverage and mean depth (m) at several instants, by name.
     """
 
     ground: Ground
@@ -192,9 +210,10 @@ class Blasted(NamedTuple):
 
 
 def whole_planes(blasting: Blasting) -> Blasting:
-    """Return the blasting parameters with a ground that is a whole number of bristle planes wide.
+    """Return the blasting parameters with the ground's width rounded to whole bristle planes.
 
-    Randomly placed strikes have no planes; their parameters stay as they are.
+    Parameters with randomly placed strikes are returned unchanged, since such strikes have no
+    planes.
     """
     if blasting.places == "random":
         return blasting
@@ -209,14 +228,14 @@ def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
     Args:
         blasting: parameters of the track and the ground.
         body: shape of the first crater.
-        rate: number of strikes of the tool a second.
+        rate: number of strikes of the tool per second.
 
     Returns:
         The ground after the strikes.
 
     Raises:
-        ValueError: for fewer than one strike or too many strikes, and for a coverage that no feed
-            gives.
+        ValueError: for fewer than one strike, too many strikes, or a coverage that cannot be
+            reached.
     """
     area = blasting.ground_length * blasting.ground_width
     if blasting.coverage is None:
@@ -242,10 +261,10 @@ def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
 
 
 def _avrami(coverage: float) -> float:
-    """Return the areal ratio at which randomly placed craters cover a fraction of the ground, A =
-    -ln(1 - coverage).
+    """Return the areal ratio A = -ln(1 - coverage) of randomly placed craters.
 
-    The areal ratio is the area of all craters over the area of the ground.
+    The areal ratio is the total area of all craters divided by the area of the ground. The coverage
+    is the fraction of the ground that they cover.
     """
     return -math.log1p(-coverage)
 
@@ -253,7 +272,7 @@ def _avrami(coverage: float) -> float:
 def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
     """Return the ground after a number of strikes.
 
-    Randomly placed strikes end earlier if they reach the requested coverage.
+    If a coverage is requested, randomly placed strikes end as soon as it is reached.
     """
     if not 0.5 <= strikes <= MOST_STRIKES:
         raise ValueError(
@@ -290,10 +309,11 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
 
 
 def _places(blasting: Blasting, number: int, random: np.random.Generator) -> Array:
-    """Return the places of the strikes in their order (m), shape (number, 2).
+    """Return the position (x, y) of each strike (m), shape (number, 2), in order.
 
-    In a pattern the strikes of one pass of the tool are evenly spaced along the track, one plane of
-    bristles after another. Every further pass begins at a random place.
+    The positions are either random or a pattern. In the pattern the strikes of one pass of the tool
+    are evenly spaced along the track, and the planes of bristles strike in turn. Each later pass
+    begins at a random position.
     """
     length = blasting.ground_length
     width = blasting.ground_width
@@ -312,6 +332,9 @@ def _places(blasting: Blasting, number: int, random: np.random.Generator) -> Arr
 
 
 def mean_rz(ground: Ground, cutoff: float) -> float:
-    """Return the roughness Rz as the mean over all profiles along the slide, m."""
+    """Return the roughness Rz (m), the mean of all profiles along the slide.
+
+    ``cutoff`` is the cut-off wavelength of the roughness filter, m.
+    """
     profiles = roughness_profiles(ground.heights, ground.step, cutoff)
     return float(section_heights(profiles, ground.step, cutoff, SECTIONS).mean())

@@ -39,17 +39,17 @@ slowly with the duration of the contact."""
 
 
 AT_REST = 1e-13
-"""Largest rate after an impact that counts as zero, over the fastest rate before it. Also the largest
-tangential work that counts as zero, over the normal work."""
-# Relative rounding error of a position's distance from the hub's centre. The height of the tip over
-# the root is the difference of two positions.
+"""Largest angular velocity after an impact that counts as zero, divided by the largest one before
+it. Also the largest tangential work that counts as zero, divided by the normal work."""
+# Relative rounding error of a distance from the hub's centre. The height of the tip above the root
+# is the difference of two such distances.
 HEIGHT_ROUNDING = 1e-15
 LEAST_SLOPE = 100.0
-"""Least angle of a bristle from the surface, over its turn during a contact in time, at which the
-slide of the tip is compared with theory.
+"""Least angle between bristle and surface, divided by the angle by which the bristle rotates during
+a contact resolved in time, at which the slide of the tip is compared with theory.
 
-A bristle along the surface slides forward or back by its turn alone, which the closed form does not
-know. At this ratio the tangential work differs by 2e-3."""
+The tip of a bristle that is nearly parallel to the surface slides by this rotation alone, which the
+closed form leaves out. At the given ratio the tangential work differs by 2e-3."""
 MOST_WIDENED = 1e-3  # largest amount by which magnified rounding errors widen a relative tolerance
 
 
@@ -66,8 +66,12 @@ RODS = {
 
 
 def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
-    """Return the bristle as a chain of one rod that stands radially at the impact angle (rad), and
-    turns at the rate, rad/s.
+    """Return the bristle as a chain of one radial rod.
+
+    Args:
+        hub, bristle: dimensions and motion of the hub, and properties of the rod.
+        impact_angle: angle between the rod and the surface's normal, rad.
+        rate: angular velocity of the rod, rad/s.
     """
     return Chain(
         (bristle.mass,),
@@ -81,8 +85,9 @@ def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -
 
 
 def double_chain(pendulum: DoublePendulum) -> Chain:
-    """Return the two rods of a double pendulum for the simulation, where their angular velocities
-    have the other sign.
+    """Return the two rods of a double pendulum as a chain for the simulation.
+
+    Angles and angular velocities in the simulation have the opposite sign.
     """
     return Chain(
         (pendulum.mass_ratio * pendulum.mass, pendulum.mass),
@@ -100,8 +105,9 @@ def oblique_impact(
     contact: Contact,
     settings: Settings,
 ) -> Report:
-    """Simulate one strike of a radial bristle, and compare it with the closed forms (Zhang 2020,
-    eqs. 2.19-2.65).
+    """Simulate a strike of a radial bristle, and compare it with the closed-form solution.
+
+    The solution is that of Zhang 2020, eqs. 2.19-2.65.
     """
     gamma = math.radians(state.impact_angle_deg)
     chain = radial_chain(hub, bristle, gamma, state.speed_ratio * hub.speed)
@@ -113,8 +119,10 @@ def oblique_impact(
 def single_pendulum(
     pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
-    """Simulate the strike of Stronge's single pendulum, and compare it with the closed forms (Zhang
-    2020, sec. 2.4.1), which are those of the bristle on a hub of zero radius.
+    """Simulate the strike of Stronge's single pendulum, and compare it with the closed-form
+    solution.
+
+    The solution (Zhang 2020, sec. 2.4.1) is that of the bristle on a hub of zero radius.
     """
     gamma = math.radians(pendulum.impact_angle_deg)
     chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-pendulum.rate,))
@@ -130,13 +138,14 @@ def _one_rod(
     motion: tuple[float, float, float],
     labels: Mapping[str, tuple[str, str]],
 ) -> tuple[Quantity, ...]:
-    """Compare the impact of one rod with the closed form of the bristle.
+    """Compare the impact of one rod with the closed-form solution for the bristle.
 
     Args:
-        impacts: the impact as each contact law resolves it.
+        impacts: the impact by each contact law.
         settings: the requested accuracy.
-        motion: hub radius in m, hub speed in rad/s, and ratio of the rod's rate to the hub speed.
-        labels: label and unit of the quantities, by name.
+        motion: hub radius (m), hub speed (rad/s), and the rod's angular velocity divided by the hub
+            speed.
+        labels: label and unit of each quantity, by name.
     """
     chain = impacts.chain
     contact = impacts.contact
@@ -173,10 +182,10 @@ def _one_rod(
 def double_pendulum(
     pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
-    """Simulate the strike of Stronge's double pendulum, and compare it with the closed forms (Zhang
-    2020, eqs. 2.66-2.111).
+    """Simulate the strike of Stronge's double pendulum, and compare it with the closed-form
+    solution.
 
-    The two rods may have any ratio of masses.
+    The solution is that of Zhang 2020, eqs. 2.66-2.111. The two rods may have different masses.
     """
     impacts = all_laws(double_chain(pendulum), surface, contact, settings)
     angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
@@ -226,16 +235,17 @@ def _compared(
     """Compare simulated values with theory.
 
     Args:
-        labels: label and unit by name.
+        labels: label and unit of each quantity, by name.
         simulated, theory: values by name.
-        tolerance: largest relative difference without the rounding errors that geometry magnifies;
-            None if a difference is a finding.
-        rounding: these rounding errors, relative, by name.
-        least: largest magnitude that counts as 0, by name.
+        tolerance: accepted relative difference, without the rounding errors that geometry
+            magnifies. None if the values may differ from theory.
+        rounding: magnified relative rounding error of each value, by name. It is added to the
+            tolerance.
+        least: magnitude up to which a value counts as 0, by name.
     """
 
     def rounded(values: Values) -> Values:
-        """Return the values, of which those of negligible magnitude are 0, without a sign."""
+        """Return the values, with +0 in place of values of negligible magnitude."""
         return {
             name: value and value * (abs(value) > least.get(name, 0.0)) + 0.0
             for name, value in values.items()
@@ -248,12 +258,16 @@ def _compared(
 
 
 def _tolerance(impacts: Impacts, settings: Settings, jam: float = math.inf) -> float | None:
-    """Return the largest relative difference of a contact law from theory; None for a law that does
-    not follow the theory.
+    """Return the accepted relative difference of the requested contact law from theory.
 
-    At the jam, mu = tan gamma, the solution is singular. Near it the rounding error of the inverse
-    mass matrix K is magnified by the inverse of the relative distance from the jam. ``jam`` is the
-    friction at the jam, if there is one.
+    It is None for a law that does not follow the theory. The solution is singular at the friction
+    mu = tan gamma, where the rod jams. Near this friction the rounding error of the inverse mass
+    matrix K is divided by the relative distance from it.
+
+    Args:
+        impacts: the impact by each contact law.
+        settings: the requested accuracy.
+        jam: coefficient of friction at which the rod jams; infinite if it does not.
     """
     contact = impacts.contact
     if contact.law == "engine" or contact.duration is not None or contact.tangential_compliance:
@@ -269,8 +283,12 @@ def _report(
 ) -> Report:
     """Return the report on an impact.
 
-    ``sign`` is +1 or -1; a simulated rate times ``sign`` is the rate in the sense that the
-    dissertation counts as positive. ``turning`` names the rod whose rate the answer states.
+    Args:
+        impacts: the impact by each contact law.
+        quantities: the comparison with theory.
+        sign: +1 or -1, by which simulated angular velocities are multiplied. The report then has
+            the dissertation's sign convention.
+        turning: name of the rod whose angular velocity the answer states.
     """
     requested = impacts.strikes[impacts.contact.law]
     elastic = bool(impacts.contact.tangential_compliance)
@@ -319,7 +337,7 @@ def _report(
 
 
 def _law(law: str, one: ChainStrike, sign: float) -> dict[str, Any]:
-    """Return the results by one contact law for the JSON, in SI units."""
+    """Return the results of one contact law for the JSON output, in SI units."""
     normal, tangential = one.contact.impulse
     works = one.contact.work or (None, None)
     return {

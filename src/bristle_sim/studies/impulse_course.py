@@ -21,13 +21,13 @@ from bristle_sim.trajectory import ContactHistory
 
 @dataclass(frozen=True, slots=True)
 class ImpulseCourse:
-    """Velocities of the contact point over the normal impulse.
+    """Velocities of the contact point during an impact, as functions of the normal impulse.
 
     Attributes:
         impulse: normal impulse, ascending from 0 (N s), shape (n,).
         normal_velocity: velocity v_n away from the surface (m/s), shape (n,).
         tangential_velocity: velocity v_t along the surface (m/s), shape (n,).
-        phases: names of the phases between consecutive impulses, if known.
+        phases: name of the phase between each pair of consecutive impulses; empty if unknown.
     """
 
     impulse: Array
@@ -37,14 +37,17 @@ class ImpulseCourse:
 
 
 def contact_inverse_mass(chain: Chain) -> Array:
-    """Return the inverse mass matrix K = J M^-1 J^T at the tip of a chain of hinged uniform rods,
-    1/kg.
+    """Return the inverse mass matrix K = J M^-1 J^T at the tip of a chain of hinged uniform rods.
 
-    The generalised speeds are u_i = L_i theta_i'. The tip moves with the normal velocity sum of u_i
-    sin theta_i and the tangential velocity sum of u_i cos theta_i, together J u. The kinetic energy
-    is u^T M u/2. M_ii is m_i/3 plus the masses beyond rod i. For i < j, M_ij is cos(theta_i -
-    theta_j) times the sum of m_j/2 and the masses beyond rod j, whatever the lengths. The hub turns
-    at constant speed and does not respond. The order of K is (normal, tangential).
+    K is in 1/kg, with the components (normal, tangential). The generalised speeds are u_i = L_i
+    theta_i', where L_i is the length and theta_i the angle of rod i. The velocity of the tip is J
+    u:
+
+        v_n = sum of u_i sin theta_i,   v_t = sum of u_i cos theta_i.
+
+    The kinetic energy is u^T M u/2. M_ii is m_i/3 plus the masses of all rods beyond rod i. For i <
+    j, M_ij is cos(theta_i - theta_j) times the sum of m_j/2 and the masses of all rods beyond rod
+    j. The hub turns at constant speed and does not respond to the impact.
     """
     masses = np.array(chain.masses)
     angles = np.array(chain.angles)
@@ -59,7 +62,10 @@ def contact_inverse_mass(chain: Chain) -> Array:
 
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:
-    """Return the velocity of the tip, which includes the hub's motion: (normal, tangential), m/s."""
+    """Return the velocity of the tip: (normal, tangential), m/s.
+
+    It includes the motion of the hub.
+    """
     speeds = np.array(
         [chain.hub_radius * chain.hub_speed, *np.multiply(chain.lengths, chain.rates)]
     )
@@ -68,9 +74,10 @@ def tip_velocity(chain: Chain) -> tuple[float, float]:
 
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
-    """Return the velocities over the normal impulse by the energetic law, from touch to separation.
+    """Return the contact point's velocities during an impact by the energetic law.
 
-    They are piecewise linear. If the tip does not approach, there is a single point.
+    They are piecewise linear in the normal impulse, from the touch to the separation. If the tip
+    does not approach the surface, there is a single point.
     """
     inverse_mass = contact_inverse_mass(chain)
     before = tip_velocity(chain)
@@ -91,9 +98,11 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """Return the velocities as functions of the normal impulse, for a contact simulated in time.
+    """Return the contact point's velocities against the normal impulse, for a contact resolved in
+    time.
 
-    The normal impulse is the integral of cubic splines through the force samples of each phase.
+    The normal impulse is the time integral of the recorded normal force, interpolated by cubic
+    splines in each phase.
     """
     impulse = integral(history.time, history.normal_force)
     return ImpulseCourse(impulse, history.normal_velocity, history.tangential_velocity)

@@ -32,17 +32,19 @@ QUANTITIES = {
     "hub_speed_for_equal_tip_speed": ("pulley speed for the bar-cued tip speed", "rad/s"),
 }
 
-# Duration of the first run, in half periods of the bristle on its belt. It is more than one, since
-# large amplitude and damping lengthen the period.
+# Duration of the first run, in half periods of the bristle on its belt. The factor is more than 1,
+# since large amplitude and damping lengthen the period.
 HALF_PERIODS = 1.3
-# Number of times that this duration is doubled before the bristle counts as never returning
+# Number of times that the duration of the first run is doubled before the bristle counts as never
+# returning
 DOUBLINGS = 6
 LEAST_TURN = 1e-12  # smallest angle by which the hub may turn in a run, rad
-# Smallest angle beyond the radial direction, over the largest retraction, at which the bristle counts
-# as having passed it. An overdamped bristle creeps towards it and passes it by rounding errors alone.
+# Least angle beyond the radial direction, divided by the largest retraction, at which the bristle
+# counts as having passed it. An overdamped bristle creeps towards the radial direction and passes
+# it by rounding errors alone.
 LEAST_OVERSHOOT = 1e-6
-# Largest number of iterations of the secant method for the hub speed; few are needed, as the tip
-# speed is nearly proportional to it
+# Largest number of iterations of the secant method for the hub speed. Few are needed, since the tip
+# speed is nearly proportional to the hub speed.
 TRIES = 20
 
 BareRun = Callable[[Tool, float], Trajectory]
@@ -52,10 +54,13 @@ for a time in s."""
 
 @dataclass(frozen=True, slots=True)
 class InertiaDriven:
-    """Results of the study: the tool, the motion of its bristle from the entry into the pulley until
-    it is radial again, and the bar-cued pass.
+    """Results of the study of a bristle without a bar.
 
-    The motion is None if the bristle does not become radial again.
+    Attributes:
+        tool: the tool.
+        radial: motion of the bristle without a bar, from its entry into the pulley until it is
+            radial again. It is None if the bristle does not become radial again.
+        pass_with_bar: simulated pass of the tool with its bar.
     """
 
     tool: Tool
@@ -64,8 +69,10 @@ class InertiaDriven:
 
 
 def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
-    """Simulate a bristle that its inertia alone throws, and find the pulley speed at which its tip
-    is as fast as in the bar-cued tool.
+    """Simulate a bristle that is accelerated by its inertia alone, without a bar.
+
+    The study also finds the pulley speed at which the tip becomes as fast as in the tool with a
+    bar.
 
     Raises:
         ValueError: if the hub is at rest, the wire bends, or a run exceeds the step budget.
@@ -114,7 +121,11 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
 
 
 def until_radial(tool: Tool, run: BareRun) -> Trajectory | None:
-    """Return the motion of the bristle until it is radial again; None if it never is."""
+    """Return the motion of the bristle without a bar until it is radial again.
+
+    It is None if the bristle does not become radial again. ``run`` simulates the tool for a given
+    time (s).
+    """
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
     if not stiffness:
@@ -167,14 +178,20 @@ def _values(
 def _equal_hub_speed(
     tool: Tool, run: BareRun, radial: Trajectory, strike_speed: float
 ) -> float | None:
-    """Return the pulley speed at which the tip, when radial again, has the bar-cued tip's
-    ``strike_speed``, by the secant method.
+    """Return the pulley speed at which the tip is as fast as with a bar, rad/s.
 
-    It is None if the bristle leans over, or the method does not converge.
+    The tip's speed is taken when the bristle is radial again. The pulley speed is found by the
+    secant method. It is None if the bristle leans over by 90 deg, or the method does not converge.
+
+    Args:
+        tool: the tool.
+        run: function that simulates a tool without a bar for a given time (s).
+        radial: motion at the tool's own pulley speed, until the bristle is radial again.
+        strike_speed: speed of the tip at the strike in the tool with a bar, m/s.
     """
 
     def missing(speed: float) -> float:
-        """Return the difference of the tip's speed and the bar-cued tip's speed, m/s."""
+        """Return the tip's speed at a pulley speed (rad/s), minus ``strike_speed``, m/s."""
         tried: Trajectory | None = radial
         if speed != tool.hub.speed:
             tried = until_radial(tool.replace(hub_speed=speed), run)
@@ -197,10 +214,10 @@ def _tip_speed_at_strike(run: Trajectory) -> float | None:
 
 
 def _theory(tool: Tool, strike_speed: float | None) -> Values:
-    """Return the quantities by conservation of energy and quadrature; empty for a belt with
-    damping.
+    """Return the study's quantities by conservation of energy and quadrature.
 
-    The hub speed for an equal tip speed is computed from the simulated bar-cued strike.
+    They are empty for a belt with damping. ``strike_speed`` is the simulated tip speed with a bar
+    (m/s), for which the pulley speed of equal tip speed is computed.
     """
     if tool.belt_damping:
         return {}

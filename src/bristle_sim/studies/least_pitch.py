@@ -21,17 +21,17 @@ from bristle_sim.studies.pass_invariants import X_Y, Points
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
 
-# Smallest step between tried pitches, rad. If the distance of the wires has a minimum in between, the
-# minimum is refined.
+# Smallest step between tried pitches, rad. If the distance of the wires has a minimum in between,
+# the minimum is refined.
 PITCH_STEP = math.radians(0.25)
 PITCH_TOLERANCE = 1e-9  # largest error of the least pitch, rad: 6e-8 deg
-# Number of equally spaced instants of a pass at which the distance is computed, besides the samples:
-# one for every 0.2 deg of the hub's turn.
+# Number of equally spaced instants of a pass at which the distance is computed, besides the
+# samples: one for every 0.2 deg of the hub's turn.
 INSTANTS = 1500
 # Number of local minima of the distance over time that are refined, beginning with the smallest
 MINIMA_REFINED = 2
-# Largest number of samples of a lone pass for which the pitch is searched: eight times the number at
-# the operating point.
+# Largest number of samples of a lone pass for which the pitch is searched: eight times the number
+# at the operating point.
 MOST_SAMPLES = 5000
 LARGEST_PITCH = math.pi / 2.0  # pitch at which the downward search starts, rad
 # Distance above a least pitch at which the search for a smaller one begins, rad: a thousand times
@@ -41,13 +41,15 @@ NEXT_SEARCH = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LeastPitch:
-    """A pitch above which two neighbouring wires do not touch up to some instant of a pass.
+    """The angle between neighbouring bristles above which their wires do not touch.
+
+    Only touches up to a certain instant of the pass count.
 
     Attributes:
         name: name of the quantity.
         until: the instant, s; None without a strike.
-        of_follower: whether the instant belongs to the follower's own pass, which is later by the
-            pitch, and not to the pass of the bristle in front.
+        of_follower: whether ``until`` is measured in the pass of the following bristle, which is
+            delayed by the pitch, instead of the pass of the leading bristle.
         by_theory: the pitch by the motion of a lone bristle, deg; None if it was not computed.
     """
 
@@ -58,15 +60,19 @@ class LeastPitch:
 
 
 def polyline_distance(first: Points, second: Points) -> Array:
-    """Return the smallest distance of each pair of polylines; 0 if the two cross.
+    """Return the smallest distance between the polylines of each pair; 0 if the two cross.
 
-    The corners are complex numbers x + i y. The polylines have shape (n, corners), the distances
-    (n,).
+    ``first`` and ``second`` hold the corners as complex numbers x + i y, shape (n, corners). The
+    distances have the shape (n,).
     """
 
     def seen(points: Points, line: Points) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the smallest distance of a polyline's corners from another polyline, and whether
-        consecutive corners are on both sides of each of its segments.
+        """Compare the corners of the polyline ``points`` with the segments of ``line``.
+
+        Returns:
+            The smallest distance of a corner from a segment.
+            For each pair of consecutive corners and each segment, whether the corners are on
+                opposite sides of the segment's line.
         """
         along = np.diff(line)[:, np.newaxis]
         from_start = points[:, :, np.newaxis] - line[:, np.newaxis, :-1]
@@ -81,23 +87,23 @@ def polyline_distance(first: Points, second: Points) -> Array:
 
 
 def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
-    """Return the smallest distance of the centre lines of a bristle and its follower up to an
-    instant, m.
+    """Return the smallest distance between the centre lines of a bristle and its follower, m.
 
-    Between samples the centre line is a cubic in time. If the bristle moves by h rad of its
-    oscillation between samples, the relative error is h^4/384: 1e-8 at 150 samples a period.
+    The follower repeats the motion of a lone bristle with a delay. Between samples the centre line
+    is a cubic in time. Its relative error is h^4/384, where h is the phase of the oscillation
+    between samples, rad: 1e-8 at 150 samples per period.
 
     Args:
         lone: motion of the lone bristle.
         pitch: angle by which the follower is behind, rad.
-        until: the instant, s.
+        until: instant up to which the distance is computed, s.
     """
     delay = pitch / lone.hub_speed
     begin = float(lone.time[0])
     lines = cubics(lone.time, lone.centre_line, lone.centre_line_velocity)
 
     def distance(time: Array) -> Array:
-        """Return the distance of the two centre lines at instants, m."""
+        """Return the distance between the two centre lines at given instants, m."""
         within = np.maximum(time - delay, begin)  # before the start a bristle turns with the hub
         turned = np.exp(1j * lone.hub_speed * (time - delay - within))
         return polyline_distance(lines(time) @ X_Y, lines(within) @ X_Y * turned[:, np.newaxis])
@@ -115,9 +121,9 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
 
 
 def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Return the minimum of a function between two bounds, and its argument.
+    """Return the minimum of a function between two bounds, and the argument at which it occurs.
 
-    The function must have one local minimum there.
+    The function must have a single local minimum there.
     """
     found = minimize_scalar(
         function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)}
@@ -133,17 +139,18 @@ def least_pitch(
     of_follower: bool = False,
     largest: float,
 ) -> float:
-    """Return the pitch above which no wire touches its neighbour (rad) by the motion of a lone
-    bristle.
+    """Return the pitch above which the wire does not touch its neighbour, rad.
+
+    Both wires are assumed to repeat the motion of a lone bristle.
 
     Args:
         lone: motion of the lone bristle, which starts at rest relative to the hub.
-        wire_diameter: diameter of the wires, m; they touch where their centre lines are no farther
-            apart.
+        wire_diameter: diameter of the wires, m. They touch where the distance between their centre
+            lines is not larger.
         until: instant up to which touches count, s.
-        of_follower: whether ``until`` is an instant of the follower's own pass, which is later by
-            the pitch, and not of the pass of the bristle in front.
-        largest: pitch from which the search goes downwards, rad; the wires must not touch there.
+        of_follower: whether ``until`` is measured in the pass of the following bristle, which is
+            delayed by the pitch, instead of the pass of the leading bristle.
+        largest: pitch from which the search goes downwards, rad. The wires must not touch there.
     """
     last = float(lone.time[-1])
 
@@ -173,9 +180,9 @@ def least_pitch(
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
     """Return three theoretical least pitches, in ascending order.
 
-    At a pitch above the first, neighbouring wires do not touch before the leading bristle strikes;
-    above the second, not before the following bristle strikes; above the third, not at any time in
-    the pass. The values are None if :func:`unsearched` gives a reason.
+    Above the first pitch, neighbouring wires do not touch before the leading bristle strikes. Above
+    the second, they do not touch before the following bristle strikes. Above the third, they do not
+    touch during the whole pass. The values are None if :func:`unsearched` returns a reason.
     """
     contact = lone.first_contact("workpart")
     found = list[LeastPitch]()

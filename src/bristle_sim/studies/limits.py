@@ -13,26 +13,28 @@ from bristle_sim.studies.many_passes import SCENE, checked_range, scene_pass
 from bristle_sim.units import shown
 
 POINTS = 2000
-"""Number of intervals into which the range is divided first. If the outcome changes and changes back within one
-interval, the changes are not found."""
+"""Number of intervals into which the range is divided first. Two opposite changes of the outcome
+within one interval are not found."""
 
 PARTS = 32  # number of parts into which an interval with a change is divided in each iteration
 
-BESIDE = 1e-4  # distance from a change at which a simulation confirms it, over the range
+# Distance from a change at which simulations confirm it, as a fraction of the searched range.
+BESIDE = 1e-4
 
 MOST_CHANGES = 200  # largest number of changes; with more, the outcome changes almost everywhere
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of the outcome at a value of a parameter.
+    """A change of the pass's outcome at a value of a parameter.
 
     Attributes:
-        at: the value, in SI units.
+        at: the value of the parameter, in SI units.
         below: outcome below the value.
         above: outcome above the value.
-        confirmed: whether the simulation gives these outcomes just below and just above the value.
-            The offset is a ten-thousandth of the searched range, or less if the next change is near.
+        confirmed: whether simulations just below and just above the value have these outcomes.
+            Their offset from the value is a ten-thousandth of the searched range, or less if
+            another change is near.
     """
 
     at: float
@@ -44,9 +46,10 @@ class Change:
 def limits(
     tool: Tool | None = None, *, accuracy: float = 1e-8, **between: Any
 ) -> tuple[Change, ...]:
-    """Return all values of a parameter, ascending, at which the outcome of the pass changes.
+    """Return all values of a parameter at which the outcome of the pass changes, in ascending
+    order.
 
-    From which friction on does the tip stick?
+    From which coefficient of friction on does the tip stick?
 
     >>> import bristle_sim as bs
     >>> [(round(change.at, 4), change.above) for change in bs.limits(friction=(0.1, 0.6))]
@@ -54,16 +57,17 @@ def limits(
 
     Args:
         tool: the tool that gives the values of all other parameters; by default the dissertation's.
-        accuracy: accuracy of the passes, and of the values as a fraction of the range.
-        between: one parameter by name, with the two ends of its range, as numbers in SI units or
-            texts with a unit.
+        accuracy: relative accuracy of the passes. The values are found to this fraction of the
+            range.
+        between: one parameter by name, with the lower and upper bound of its range, as numbers in
+            SI units or texts with a unit.
 
     Returns:
         The changes of the outcome.
 
     Raises:
-        ValueError: for a tool whose passes are not computed in arrays; for anything but one
-            parameter with two different ends; for a name or value that is refused; for more than
+        ValueError: if the tool's passes cannot be computed as arrays; if not exactly one parameter
+            with two different bounds is given; if the name or a value is invalid; or for more than
             200 changes.
     """
     tool = Tool() if tool is None else tool

@@ -32,10 +32,11 @@ ENTRY = "entry_angle"
 OUTCOME = "outcome"
 
 CHECKED_POINTS = 8
-"""Number of random points at which single simulations check the passes in arrays."""
+"""Number of random points at which simulations check the vectorised passes."""
 
 SCENE = Settings(accuracy=1e-9)
-"""Settings of the simulations that check. A finer accuracy takes longer and agrees no better."""
+"""Settings of the simulations that check the vectorised passes. A smaller accuracy takes longer and
+agrees no better."""
 
 SIZES = {
     "contact_time": 0.0,
@@ -43,14 +44,15 @@ SIZES = {
     "tip_speed_at_contact": 0.0,
     "normal_final_impulse": 0.0,
 }
-"""Quantities that are compared, and for each the smallest magnitude by which a difference is divided."""
+"""Quantities that are compared. A difference is divided by the quantity's magnitude, but at least
+by the value given here, in the quantity's unit."""
 
 UNSTRUCK = {StopReason.JAM: OUTCOMES[JAMS], StopReason.RETRACTION_LIMIT: OUTCOMES[REFUSED]}
-"""Outcome, in words, of a simulation that stops before a strike for a reason of its own."""
+"""Outcome in words of a simulation that stops before a strike, by the reason of the stop."""
 
 
 def unable(tool: Tool) -> str:
-    """Return the reason why passes of a tool cannot be computed in arrays; empty if they can."""
+    """Return the reason why the vectorised computation cannot handle a tool; empty if it can."""
     if tool.contact.law != "energetic":
         return f"contact = {tool.contact.law}"
     if tool.bristle.links > 1:
@@ -60,13 +62,13 @@ def unable(tool: Tool) -> str:
 
 
 def checked_range(tool: Tool, key: str, ends: Any) -> tuple[float, float]:
-    """Return the two ends of a parameter's range, ascending, in SI units, and check that passes of
-    the tool can be computed in arrays.
+    """Return the lower and upper bound of a parameter's range, in SI units.
 
     ``ends`` are two numbers or texts with a unit, or one text ``FROM:TO``.
 
     Raises:
-        ValueError: for a tool, a key or a range that cannot be used.
+        ValueError: for an invalid parameter or range, or a tool that the vectorised computation
+            cannot handle.
     """
     if reason := unable(tool):
         raise ValueError(f"{reason}: must be a straight rigid bristle with the energetic law")
@@ -87,16 +89,15 @@ def checked_range(tool: Tool, key: str, ends: Any) -> tuple[float, float]:
 
 
 def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, NDArray[Any]]:
-    """Return the quantities of whole passes of many tools, by name; NaN where a pass lacks a
-    quantity.
+    """Compute the passes of many tools at once, and return their quantities as arrays, by name.
 
-    Further entries are ``outcome``, ``failure`` (the reason in words), and ``entry_angle``, the
-    angle between the surface and the tip's path before the strike, rad.
+    Missing quantities are NaN. Further entries are ``outcome``, ``failure`` (the reason in words),
+    and ``entry_angle``, the angle between the surface and the tip's path before the strike, rad.
 
     Args:
         tool: the tool that gives the values of all other parameters.
-        settings: requested accuracy, and the angle that the hub turns in a pass.
-        values: arrays of the varied parameters, by name, as for ``ensemble``.
+        settings: requested accuracy, and the angle by which the hub turns in a pass.
+        values: arrays of the varied parameters, by name. They broadcast.
     """
     options: dict[str, Any] = {"accuracy": settings.accuracy, "hub_turn": settings.hub_turn}
     many = ensemble(tool, progress=_log, **options, **values)
@@ -117,7 +118,7 @@ def _quantity(many: Ensemble, name: str) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """Result of a comparison of passes in arrays with single simulations.
+    """Agreement of the vectorised passes with passes simulated one by one.
 
     Attributes:
         passes: number of passes compared.
@@ -130,17 +131,21 @@ class Check:
     apart: int
 
     def __str__(self) -> str:
-        """Return the result in words, as the end of a sentence."""
+        """Return the agreement in words, for the end of a sentence."""
         apart = f", but for {self.apart} with another outcome" if self.apart else ""
         return f"the time-domain simulation agrees to {self.difference:.0e} in {self.passes} passes{apart}"
 
 
 def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]) -> Check:
-    """Compare passes in arrays with single simulations.
+    """Compare vectorised passes with passes simulated one by one.
 
-    Compared are the outcome, the instant of the strike, lag, tip speed and normal impulse, relative
-    to their magnitudes. ``values`` holds the varied parameters by name, as arrays of shape
-    (points,). A tool that is refused is left out.
+    The outcome, the instant of the strike, lag, tip speed and normal impulse are compared. Their
+    differences are relative. A tool that the vectorised computation rejects is left out.
+
+    Args:
+        tool: the tool that gives the values of all other parameters.
+        settings: accuracy of both computations.
+        values: arrays of the varied parameters, shape (points,), by name.
     """
     found = pass_quantities(tool, settings, **values)
     compared = np.flatnonzero(found[OUTCOME] != OUTCOMES[REFUSED])
@@ -163,8 +168,11 @@ def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]
 def scene_pass(
     tool: Tool, settings: Settings, values: Mapping[str, float]
 ) -> tuple[str, Mapping[str, float | None]]:
-    """Simulate a single pass up to the strike with some of the tool's parameters changed, and
-    return its outcome in words and its quantities.
+    """Simulate one pass of the tool with some of its parameters changed, up to the strike.
+
+    Returns:
+        The outcome in words.
+        The quantities of the pass, by name.
     """
     log.info("single simulations check the passes")
     try:

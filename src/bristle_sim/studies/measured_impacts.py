@@ -68,13 +68,14 @@ Law = Callable[..., Impact]
 
 
 class Ellipse(NamedTuple):
-    """Measured impacts of the ellipse on the floor.
+    """Measured impacts of an elliptical body on the floor.
 
     Attributes:
-        before: velocities (v_x, v_y, angular velocity) before each impact, shape (n, 3), m/s and
-            rad/s; the angular velocity is clockwise, as in the file.
-        after: velocities after each impact, likewise.
-        jacobian: contact Jacobian of each impact, shape (n, 2, 3).
+        before: velocities (v_x, v_y, angular velocity) before each impact, shape (n, 3), in m/s and
+            rad/s. The angular velocity is positive clockwise, as in the file.
+        after: velocities after each impact, in the same form.
+        jacobian: contact Jacobian of each impact, shape (n, 2, 3). It maps the body's velocities to
+            those of the contact point.
     """
 
     before: Array
@@ -87,46 +88,52 @@ class Ellipse(NamedTuple):
         return np.asarray((self.jacobian / INERTIA) @ self.jacobian.swapaxes(1, 2))
 
     def at_contact(self, velocity: Array) -> Array:
-        """Return (normal, tangential) velocities of the contact point (m/s), shape (n, 2)."""
+        """Return the velocities (normal, tangential) of the contact point (m/s), shape (n, 2).
+
+        ``velocity`` are the body's velocities, as in ``before``.
+        """
         return np.asarray((self.jacobian @ velocity[..., np.newaxis])[..., 0])
 
     def predicted(self, law: Law, friction: float, restitution: float) -> Array:
-        """Return the impulses that a contact law predicts from the measured velocities before the
-        impacts.
+        """Return the impulses (normal, tangential) by a contact law (N s), shape (n, 2).
 
-        They are (normal, tangential) in N s, shape (n, 2).
+        They are predicted from the measured velocities before the impacts.
         """
         approach = self.at_contact(self.before)
         hit = law(self.inverse_mass, approach, friction, restitution)
         return np.stack([hit.impulse_normal, hit.impulse_tangential], axis=-1)
 
     def misfit(self, impulse: Array) -> float:
-        """Return the mean relative error of the velocities after the impacts that impulses, N s,
-        shape (n, 2), predict.
+        """Return the mean relative error of the velocities after the impacts.
 
-        It is |v predicted - v measured|/|v measured| in the norm of the kinetic energy.
+        The velocities are computed with ``impulse``, the impulses (normal, tangential) in N s,
+        shape (n, 2). The error is |v computed - v measured|/|v measured|, where the kinetic energy
+        defines the norm.
         """
         change = np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA
         missed = self.before + change - self.after
         return float(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)).mean())
 
     def best_impulse(self) -> Array:
-        """Return the impulse at the contact point whose predicted velocities after each impact are
-        nearest to the measured ones.
+        """Return the impulses that explain the measured velocities after the impacts best.
 
-        The distance is measured in the norm of the kinetic energy. The impulses are (normal,
-        tangential) in N s, shape (n, 2).
+        Their velocities have the least distance from the measured ones, where the kinetic energy
+        defines the norm. The impulses are (normal, tangential) in N s, shape (n, 2).
         """
         change = self.at_contact(self.after - self.before)
         return np.asarray(np.linalg.solve(self.inverse_mass, change[..., np.newaxis])[..., 0])
 
 
 def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
-    """Return the predicted rebound of spheres over the angle of incidence, deg.
+    """Return the predicted rebound of spheres at given angles of incidence.
 
-    ``compliance`` is the ratio of tangential to normal compliance of the contact, eta^2. The result
-    has the names of MEASURED_SPHERES: the ratio of tangential velocities, the spin (rad/s) and the
-    rebound angle, deg.
+    Args:
+        angle_deg: angles between the velocity and the surface's normal, deg.
+        compliance: ratio eta^2 of tangential to normal compliance of the contact.
+
+    Returns:
+        ``restitution``, the tangential velocity after the impact divided by that before it;
+            ``spin`` after the impact, rad/s; and ``rebound_angle`` from the normal, deg.
     """
     angle = np.radians(angle_deg)
     velocity = SPEED * np.stack([-np.cos(angle), np.sin(angle)], axis=-1)
@@ -142,8 +149,10 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
 
 
 def spheres(compliance: float) -> dict[str, float]:
-    """Return the root mean square error of the predicted rebound for each measured quantity of the
-    spheres.
+    """Return the root mean square error of each predicted quantity of the spheres' rebound, by
+    name.
+
+    ``compliance`` is the ratio eta^2 of tangential to normal compliance of the contact.
     """
     found = {}
     for name, at in MEASURED_SPHERES.items():
@@ -174,13 +183,15 @@ It runs in a process of its own, since SciPy's reader may crash on a damaged fil
 
 
 def read_ellipse(path: str) -> Ellipse:
-    """Read the measured impacts of the ellipse from a file, with their contact Jacobians.
+    """Read the measured impacts of the elliptical body from a file, with their contact Jacobians.
 
-    Only impacts whose flags are all 0 are read. The ellipse's angle phi in the file is clockwise.
-    An ellipse of half axes a and b, turned by phi, touches the floor at the height h = sqrt(a^2
-    sin^2 phi + b^2 cos^2 phi) below its centre, and at x = (a^2 - b^2) sin phi cos phi/h from it.
-    The velocity of the contact point is v_n = v_y - x w and v_t = v_x - h w, with the angular
-    velocity w.
+    Only impacts whose flags are all 0 are read. In the file the body's angle phi is clockwise. With
+    the half axes a and b the contact point is at the depth
+
+        h = sqrt(a^2 sin^2 phi + b^2 cos^2 phi)
+
+    below the body's centre, and at x = (a^2 - b^2) sin phi cos phi/h from it. Its velocity is v_n =
+    v_y - x w and v_t = v_x - h w, with the angular velocity w.
 
     Raises:
         ValueError: if the file does not exist or has fewer than four impacts of finite numbers.
@@ -207,10 +218,10 @@ def read_ellipse(path: str) -> Ellipse:
 
 
 def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
-    """Return the friction mu and the restitution e* with which a contact law has the least mean
-    misfit to measured impacts.
+    """Return the friction mu and the restitution e* that fit a contact law to measured impacts.
 
-    The search starts at the best point of a coarse grid.
+    They minimise the mean relative error of the velocities after the impacts. The search starts at
+    the best point of a coarse grid.
     """
     from scipy.optimize import minimize
 
@@ -261,8 +272,9 @@ def measured_impacts(measured: Measured) -> Report:
 
 
 def ellipse_errors(ellipse: Ellipse, compliance: float) -> dict[str, float]:
-    """Return the friction and restitution that are fitted to every second impact, and each law's
-    mean error on the other impacts.
+    """Fit each contact law to every second impact, and return its mean error on the other impacts.
+
+    The result also has the friction and the restitution that were fitted to the energetic law.
     """
     train, test = (Ellipse(*(each[first::2] for each in ellipse)) for first in (0, 1))
     laws: dict[str, Law] = {

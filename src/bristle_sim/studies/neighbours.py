@@ -32,8 +32,8 @@ from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
 
-# Largest difference of simulated and theoretical least pitch, deg. The least pitch of simulated rows
-# is searched by bisection within this distance of the theoretical one.
+# Largest difference of simulated and theoretical least pitch, deg. The least pitch of simulated
+# rows is searched by bisection within this distance of the theoretical one.
 AGREEMENT = 0.05
 RESOLUTION = 0.005  # largest width of the interval at which the bisection ends, deg
 # Number of samples in a period of the lone bristle on its belt. Its centre line is interpolated
@@ -41,7 +41,7 @@ RESOLUTION = 0.005  # largest width of the interval at which the bisection ends,
 SAMPLES_PER_PERIOD = 150
 
 UNCHANGED = (
-    1e-3  # relative change of the impulse by a neighbour's touch that its three digits do not show
+    1e-3  # relative change of the impulse below which its three printed digits stay the same
 )
 
 STRIKE = {
@@ -59,7 +59,7 @@ LEAST_PITCHES = {
 
 @dataclass(frozen=True, slots=True)
 class NeighbourRow:
-    """A row of bristles simulated together, with the pass of a lone bristle.
+    """A simulated row of bristles, and the pass of a lone bristle.
 
     Attributes:
         tool: the tool.
@@ -67,7 +67,7 @@ class NeighbourRow:
         settings: accuracy and limits of the simulations.
         bristles: motions of the bristles, the foremost first.
         lone: motion of the lone bristle.
-        least: theoretical least pitches.
+        least: theoretical least angles between bristles.
     """
 
     tool: Tool
@@ -79,15 +79,16 @@ class NeighbourRow:
 
     @property
     def touches(self) -> list[float]:
-        """Instants at which two wires of the row begin to touch, s."""
+        """Instants at which two wires of the row begin to touch (s), in ascending order."""
         return sorted({time for run in self.bristles for time in _touches(run)})
 
 
 def neighbours(
     tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False
 ) -> Report:
-    """Find the least pitches by theory and by simulated rows, and simulate one row at the requested
-    pitch.
+    """Find the least angles between bristles by theory and by simulation, and simulate one row.
+
+    The simulated row has the requested angle between its bristles.
 
     Raises:
         ValueError: if the hub is at rest, wires bend or touch at the start, or a run exceeds the
@@ -187,9 +188,10 @@ def _strikes_table(strikes: Sequence[Values]) -> Table:
 
 
 def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
-    """Return the state and impulse of the row's last bristle at its strike, over pitches in deg.
+    """Return the quantities of the last bristle's strike as functions of the pitch.
 
-    They are NaN at a pitch where the row cannot be simulated or does not strike.
+    ``pitches`` are the angles between neighbouring bristles, deg. A quantity is NaN where the row
+    cannot be simulated or its last bristle does not strike.
     """
     found = np.full((len(STRIKE), len(pitches)), math.nan)
     for number, pitch in enumerate(pitches):
@@ -202,8 +204,10 @@ def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
 
 
 def row_series(row: NeighbourRow) -> dict[str, Any]:
-    """Return the motion of a row of bristles as columns of a table: time, hub angle of the foremost root, and every
-    bristle's angle relative to the hub, at each sample.
+    """Return the motion of a row of bristles as columns of a table.
+
+    The columns are the time, the hub angle of the foremost root, and every bristle's angle relative
+    to the hub.
     """
     angles = {
         f"relative_angle_{number} (rad)": run.relative_angle
@@ -234,9 +238,9 @@ def _simulated(
 
 
 def root_pitch(tool: Tool) -> float:
-    """Return the pitch at which wires touch at their roots, 2 asin(d/(2 r_h)), deg.
+    """Return the angle between bristles at which their wires touch at the roots, deg.
 
-    d is the wire's diameter, r_h the hub's radius.
+    It is 2 asin(d/(2 r_h)), where d is the wire's diameter and r_h the hub's radius.
 
     Raises:
         ValueError: if the hub is thinner than the wire.
@@ -249,12 +253,11 @@ def root_pitch(tool: Tool) -> float:
 
 
 def _searched(row: NeighbourRow, least: LeastPitch) -> Quantity:
-    """Search for the largest pitch at which two simulated wires touch, near the theoretical least
-    pitch.
+    """Search for the largest pitch at which two simulated wires touch, near its theoretical value.
 
     Returns:
-        The comparison of both pitches; the simulated one is None if it was not searched, or is not
-        within AGREEMENT of the theoretical one.
+        The comparison of both pitches. The simulated one is None if it was not searched, or is not
+            within AGREEMENT of the theoretical one.
     """
     theory = least.by_theory
     compared = Quantity(least.name, "deg", None, theory, label=LEAST_PITCHES[least.name])
@@ -265,7 +268,7 @@ def _searched(row: NeighbourRow, least: LeastPitch) -> Quantity:
     speed = row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
-        """Return whether the wires of two simulated bristles touch at a pitch, deg."""
+        """Return whether the wires of two simulated bristles touch at a pitch (deg)."""
         if pitch <= root_pitch(row.tool):
             return True
         turn = math.radians(pitch)
@@ -289,8 +292,9 @@ def _searched(row: NeighbourRow, least: LeastPitch) -> Quantity:
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the quantities of a bristle's first strike, in the units of STRIKE; they are None
-    without a strike.
+    """Return the quantities of a bristle's first strike, by name; None without a strike.
+
+    STRIKE has their names and units.
     """
     found = measures_of(tool, run)
     return {name: found[name] for name in STRIKE}
@@ -301,8 +305,10 @@ def _touches(run: Trajectory) -> list[float]:
 
 
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
-    """Compare the strike of the row's last bristle, and the touches of its wire, with a lone
-    bristle as theory.
+    """Compare the strike of the row's last bristle with that of a lone bristle.
+
+    The lone bristle stands for theory. The number of touches of the last bristle's wire is compared
+    too.
     """
     tool = row.tool
     last = row.bristles[-1]
@@ -319,7 +325,8 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     if reference is not None or not touched:
         if reference is not None or ended:
             within["wire_contacts"] = 0.0
-        # Errors are relative to an angle of 1 rad, the hub's rate, and the strike of a lone bristle.
+        # Errors are relative to an angle of 1 rad, the hub's rate, and the strike of a lone
+        # bristle.
         scales = (math.degrees(1.0), tool.hub.speed, 0.0)
         for name, scale in zip(STRIKE, scales, strict=True):
             value = (referred or theory)[name]
