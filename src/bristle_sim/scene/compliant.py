@@ -111,8 +111,8 @@ class CompliantLaw(ContactLaw):
         # Ratio of unloading time to loading time; 1 if the contact ends with compression.
         unloading = restitution or 1.0
         fastest = max(1.0, *map(abs, state.rates))
-        # A tangential spring of less compliance is omitted here. The impact law takes the mean of
-        # its fast oscillations instead.
+        # A tangential spring of less compliance is omitted here. The impact law takes a mean of the
+        # impacts with and without a spring instead.
         compliance = (
             self.tangential_compliance if self.tangential_compliance >= LEAST_COMPLIANCE else 0.0
         )
