@@ -171,9 +171,9 @@ def scaled_columns(
 
 
 def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
-    """Return the rows of a joint's velocity constraint, J V = rate.
+    """Return the rows of a joint's velocity constraint J V = rate, with the bodies' velocities V.
 
-    A joint with a limit that is not reached has no row for it.
+    A limit that is not reached has no row.
 
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
@@ -309,9 +309,9 @@ def joint_basis(
     A limit that is reached counts as a rigid joint.
 
     Returns:
-        The basis, shape (3 * len(bodies), rank), in velocities scaled by the square root of the
-        mass, M^1/2 V.
-        The diagonal of M^-1/2, which scales these velocities back.
+        The basis, shape (3 * len(bodies), rank), in the scaled velocities M^1/2 V, with the mass
+        matrix M and the velocities V.
+        The diagonal of M^-1/2, with which V follows from the scaled velocities.
     """
     rows = [row.entries for joint in joints for row in joint_rows(joint)]
     columns, scale = scaled_columns(rows, bodies)
@@ -336,7 +336,7 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
     The size of a change is measured in the norm of the kinetic energy.
 
     Raises:
-        RuntimeError: if the search finds no set of limits that all push.
+        RuntimeError: if no set of limits is found each of which pushes, while no other is passed.
     """
     rows = [row for joint in joints for row in joint_rows(joint)]
     if not rows:

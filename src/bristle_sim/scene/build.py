@@ -57,7 +57,8 @@ class Effects:
     An effect is absent if its value is None, 0 or ().
 
     Attributes:
-        stiffness: stiffness of the torsion spring between the hub and the first link of each wire.
+        stiffness: stiffness of the torsion spring (the belt) between the hub and the first link of
+            each wire.
         damping: damping of the torsion spring between hub and first link.
         gravity: acceleration of gravity, along -y.
         pairs: pairs of bodies that can touch.

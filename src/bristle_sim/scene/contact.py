@@ -152,7 +152,7 @@ class ActiveContact(ClosedPair):
         Args:
             closest: function that returns the closest approach of a pair in a state.
             last: state at which the contact ends.
-            outcome: how it ends.
+            outcome: outcome that the record states.
         """
         first = self.start
         if first is None or last.time <= first.time:

@@ -89,11 +89,11 @@ def _events(
 ) -> tuple[Event, ...]:
     """Return a wire's events, with at most one event of largest retraction.
 
-    The run has recorded every local maximum of the retraction. Only the largest maximum before the
-    strike (or in the run, without a strike) is returned. It is left out too if the retraction is
-    larger at the start or end of this period. A maximum that has stopped the run is always
-    returned. If the wire has not touched the bar or the workpart, an event at the end of the run
-    states so.
+    The run has recorded every local maximum of the retraction. Of these only the largest one before
+    the strike is returned, or the largest one of a run without a strike. No maximum is returned if
+    the retraction is larger at the start or end of this period. A maximum that has stopped the run
+    is always returned. If the wire has not touched the bar or the workpart, an event at the end of
+    the run states so.
 
     Args:
         recording: the record of the run.

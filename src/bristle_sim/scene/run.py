@@ -138,7 +138,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
 
 
 def _sense_after(system: System, event: Happening) -> int:
-    """Return the sense of slip, +1 or -1, of a rigid contact after an event; 0 for stick."""
+    """Return the sense of slip (+1, -1, or 0 in stick) after an event of a rigid contact's slip."""
     contact: ActiveContact = event.subject
     if event.kind is Kind.SLIPS:
         return int(event.detail)

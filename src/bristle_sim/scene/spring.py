@@ -162,7 +162,7 @@ class SpringContact(ActiveContact):
         Args:
             closest: function that returns the closest approach of a pair in a state.
             last: state at which the contact ends.
-            outcome: how it ends.
+            outcome: outcome that the record states.
         """
         sustained = ActiveContact.record(self, closest, last, outcome)
         if sustained is None:
@@ -240,7 +240,9 @@ class SpringContact(ActiveContact):
         return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
 
     def rest_margins(self, penetration: float, force: float) -> Vector:
-        """Return the margins of the tangential force in slip at rest to its two limits.
+        """Return the margins of the tangential force to its two limits in the phase "slip at rest".
+
+        In this phase the contact point slips at constant penetration.
 
         Returns:
             The margin to the friction of restitution, at which the contact point begins to move out
@@ -256,10 +258,10 @@ class SpringContact(ActiveContact):
 
     @property
     def least_slip_at_rest(self) -> float:
-        """Least slip velocity in the phase "slip at rest"; 0 without a tangential spring.
+        """Least velocity of slip at constant penetration; 0 without a tangential spring.
 
-        Below it the tangential spring's oscillation at the deepest point is slow enough to be
-        simulated.
+        At a smaller velocity the tangential spring's oscillation at the greatest penetration is
+        slow enough to be simulated.
         """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (self.deepest or 0.0)
@@ -274,10 +276,10 @@ class SpringContact(ActiveContact):
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def off_balance(self, velocity: Vector) -> float:
-        """Return the tangential velocity minus its value at a balance of forces.
+        """Return v_t + eta^2 v_n K_nt/K_tt, with the contact point's normal and tangential velocity.
 
-        At the balance the tangential acceleration that the contact forces give the contact point is
-        stationary during loading: v_t = -eta^2 v_n K_nt/K_tt.
+        When it is 0 during loading, the tangential acceleration that the contact forces give the
+        contact point is stationary. K is the inverse mass matrix, eta^2 the tangential compliance.
         """
         coupling, along = map(float, self.inverse_mass[1])
         return velocity[1] + self.law.compliance * velocity[0] * coupling / along

@@ -183,13 +183,16 @@ def _end_compression(system: System, motion: Motion, spring: SpringContact) -> O
 def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> bool:
     """Return whether the phase "slip at rest" begins: slip at the greatest depth for some time.
 
-    The friction force then keeps the normal velocity at zero. The phase begins if the friction of
-    restitution would press the contact point deeper, while the friction of compression would lift
-    it. Neither unloading nor further loading is then consistent, so the friction force is between
-    these two values. If friction presses the point into the surface, the friction of restitution is
-    the larger value. If other bodies press the point in and friction lifts it, the friction of
-    restitution is the smaller value. With a tangential spring the force oscillates between the two
-    values; the mean of a fast oscillation is the same friction force.
+    The friction force has one value with the coefficient of friction of compression, and another
+    value with that of restitution. The phase begins if the value of restitution would press the
+    contact point deeper, while the value of compression would lift it. Neither unloading nor
+    further loading is then consistent. The friction force is therefore between the two values, and
+    keeps the normal velocity at zero.
+
+    If friction presses the point into the surface, the value of restitution is the larger one. If
+    other bodies press the point in and friction lifts it, it is the smaller one. With a tangential
+    spring the force oscillates between the two values; the mean of a fast oscillation is the same
+    friction force.
     """
     coupling = spring.inverse_mass[0][1]
     law = spring.law

@@ -60,12 +60,17 @@ link and obstacle do not touch, and None."""
 
 
 def first_event(system: System, motion: Motion, interval: Interval) -> Found:
-    """Return the interval shortened to its first event, and this event.
+    """Search for the first event in an interval.
 
-    Without an event return None instead of it, with the whole interval, or with the interval up to
-    a minimum of a gap at which link and obstacle almost touch. In contact the search begins with
-    the events of contacts: a contact that slides onto the neighbouring link is no touch of that
-    link. In flight it begins with touches, so that no extreme after a touch need be located.
+    In contact the search begins with the events of contacts, because a contact that slides onto
+    the neighbouring link is no touch of that link. In flight it begins with touches, so that no
+    extreme after a touch need be located.
+
+    Returns:
+        One of three pairs:
+            The interval up to the event, and the event.
+            The interval up to a minimum of a gap, and None, if link and obstacle almost touch.
+            The whole interval, and None.
     """
     sustained = [contact.pair for contact in motion.contacts]
     first = None
@@ -98,10 +103,12 @@ def _search_hop(
     An interval longer than ``longest`` is first shortened to this length.
 
     Returns:
-        The interval up to the end of the rebound, and the touch. If the rebound is too low to
-            follow, the event is ``REST``.
-        The shortened interval and None, if the link is still outside the obstacle at its end.
-        None, if the link is outside at the end of an interval that has not been shortened.
+        A pair, or a single None:
+            The interval up to the end of the rebound, and the touch. If the rebound is too low to
+                follow, the event is ``REST``.
+            The shortened interval and None, if the link is outside the obstacle at its end.
+            A single None, if the link is outside at the end of an interval that has not been
+                shortened.
     """
     integrate_to = interval.integrate_to
     shortened = interval.length > longest
@@ -163,9 +170,10 @@ def _touch(
         separating: released pairs, whose gaps must first open.
 
     Returns:
-        The interval up to the touch, and the touch.
-        The interval up to a minimum of the gap, and None, if link and obstacle almost touch.
-        None, if the gap stays open or stays closed.
+        A pair, or a single None:
+            The interval up to the touch, and the touch.
+            The interval up to a minimum of the gap, and None, if link and obstacle almost touch.
+            A single None, if the gap stays open or stays closed.
     """
     length = interval.length
     closest = partial(system.closest, pair)
@@ -220,8 +228,10 @@ def _integrated_touch(
         last: time at which the gap on the polynomial is closed or almost closed.
 
     Returns:
-        The interval up to the touch, and the touch.
-        The interval up to an instant before a minimum of the gap, and None, if the gap stays open.
+        One of two pairs:
+            The interval up to the touch, and the touch.
+            The interval up to an instant before a minimum of the gap, and None, if the gap stays
+                open.
     """
     integrate_to = interval.integrate_to
     touch = closest(integrate_to(last).state)
