@@ -9,8 +9,7 @@ and its siblings).
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components
-    groove            velocity of anchor a relative to anchor b across the groove; at an end of the
-                      groove also along it
+    groove            the same velocity across the groove; at an end of the groove also along it
     rotary limit, ratchet   w_a - w_b
     gear              w_a - ratio w_b
     motor             w_a - w_b = rate

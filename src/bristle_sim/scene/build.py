@@ -163,9 +163,9 @@ class Scene:
         else:
             self.joint_solver = WireVelocities(mechanism, damping, hub, Placer(bodies))
         space.step(0.0)  # all that was added is in the space from here on
-        # The pointer does not own the space. A reference to space._space must not outlive the pymunk
-        # space: the garbage collector, in another thread, may then remove bodies, shapes and
-        # constraints from the space while it is being freed.
+        # The pointer does not own the space. A reference to space._space must not exist longer than
+        # the pymunk space. Otherwise the garbage collector, in another thread, may remove bodies,
+        # shapes and constraints from the space while the space is being freed.
         bare = ffi.cast("cpSpace *", space._space)
         self._engine_step: Callable[[float], None] = partial(lib.cpSpaceStep, bare)
         self._last_length = math.inf

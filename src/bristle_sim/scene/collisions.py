@@ -112,8 +112,8 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
     Let v_1 and v_2 be the normal velocities of the two contacts and l_1, l_2 the levers of their
     normals about the joint. Each is v = u + l w with the link's angular velocity w and the part u
     from the motion of the joint. If the levers have opposite signs, w cancels in the opening rate
-    v_1/|l_1| + v_2/|l_2|. If the rate is negative, no w opens both contacts, so the link is wedged.
-    Contacts whose levers have the same sign cannot wedge a link.
+    v_1/abs(l_1) + v_2/abs(l_2). If the rate is negative, no w opens both contacts, so the link is
+    wedged. Contacts whose levers have the same sign cannot wedge a link.
 
     Returns:
         The least opening rate of ``pair`` and any other closed pair, in engine units of angular

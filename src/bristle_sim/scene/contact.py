@@ -129,8 +129,7 @@ class ActiveContact(ClosedPair):
 
         Returns:
             The normal force at the interval's beginning.
-            The coefficient of the polynomial's quadratic term, with the time as a fraction of the
-                interval.
+            The coefficient of the polynomial's quadratic term, for the time in interval lengths.
             The time from the interval's end until the force reaches zero; infinite if it does not.
         """
         last = first = sums.normal

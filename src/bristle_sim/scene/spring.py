@@ -276,7 +276,7 @@ class SpringContact(ActiveContact):
         return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def off_balance(self, velocity: Vector) -> float:
-        """Return v_t + eta^2 v_n K_nt/K_tt, with the contact point's normal and tangential velocity.
+        """Return v_t + eta^2 v_n K_nt/K_tt for the (normal, tangential) velocity (v_n, v_t).
 
         When it is 0 during loading, the tangential acceleration that the contact forces give the
         contact point is stationary. K is the inverse mass matrix, eta^2 the tangential compliance.

@@ -104,11 +104,10 @@ def _search_hop(
 
     Returns:
         A pair, or a single None:
-            The interval up to the end of the rebound, and the touch. If the rebound is too low to
-                follow, the event is ``REST``.
+            The interval up to the end of the rebound, and the touch. (The event is ``REST`` if the
+            rebound is too low to follow.)
             The shortened interval and None, if the link is outside the obstacle at its end.
-            A single None, if the link is outside at the end of an interval that has not been
-                shortened.
+            A single None, if the link is outside at the end of an interval not shortened before.
     """
     integrate_to = interval.integrate_to
     shortened = interval.length > longest
@@ -230,8 +229,7 @@ def _integrated_touch(
     Returns:
         One of two pairs:
             The interval up to the touch, and the touch.
-            The interval up to an instant before a minimum of the gap, and None, if the gap stays
-                open.
+            The interval up to an instant before a minimum of an open gap, and None.
     """
     integrate_to = interval.integrate_to
     touch = closest(integrate_to(last).state)
