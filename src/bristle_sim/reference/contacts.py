@@ -25,10 +25,13 @@ from bristle_sim.reference.mechanics import Chain, Kinematics
 
 
 class Point(NamedTuple):
-    """The location of a contact on a wire: the flank of a straight piece, or the corner at its end.
+    """The point of a wire at which a contact acts.
 
-    ``obstacle`` is the name of the obstacle, ``piece`` the index of the piece (or of the pair of
-    wires), and ``corner`` tells whether the contact is at the corner.
+    Attributes:
+        obstacle: name of the obstacle; ``wire`` for a contact between two wires.
+        piece: index of the straight piece of the wire. For a contact between two wires it is the
+            index of their pair.
+        corner: whether the contact is at the end of the piece instead of on its flank.
     """
 
     obstacle: str
@@ -39,16 +42,16 @@ class Point(NamedTuple):
 class Touch(NamedTuple):
     """Kinematics of a contact at one instant, in SI units.
 
-    Pairs are (normal, tangential).
+    The two components of a vector are normal and tangential to the obstacle's surface.
 
     Attributes:
         gap: gap between wire and obstacle, m.
-        rows: derivatives of the contact velocity with respect to the rates of the links (m), shape
-            (2, links).
+        rows: Jacobian of the contact velocity: its derivatives with respect to the angular
+            velocities of the links (m), shape (2, links).
         velocity: velocity of the wire's surface at the contact (m/s), shape (2,).
-        bias: acceleration of the contact while the rates of the links are constant (m/s^2), shape
-            (2,).
-        along: position of the contact along a flat surface, m.
+        bias: acceleration that the contact has without angular accelerations of the links (m/s^2),
+            shape (2,).
+        along: coordinate x of the contact, along a flat surface, m.
     """
 
     gap: float
@@ -68,17 +71,20 @@ def touch_of(
     spin: float,
     moving: complex,
 ) -> Touch:
-    """Return the kinematics of a contact.
+    """Return the kinematics of a contact between a link and an obstacle.
+
+    Vectors of the plane are complex numbers x + iy.
 
     Args:
         chain: the links.
-        motion: kinematics of the links.
+        motion: positions and velocities of the links.
         link: index of the link in contact.
         gap: gap between wire and obstacle, m.
         normal: unit normal, from the obstacle to the wire.
-        point: position of the contact point on the wire's surface, m.
+        point: position of the contact point, m.
         spin: angular velocity of the normal, rad/s.
-        moving: velocity of the contact point, which slides along the wire's material, m/s.
+        moving: velocity of the contact point, m/s. It differs from the velocity of the wire's
+            material there, because the contact point slides along the wire.
     """
     axes = np.conj([normal, -1j * normal])
     arm = point - motion.joint[link]
@@ -95,8 +101,13 @@ def touch_of(
 class Bar:
     """The accelerator bar as an obstacle: a circle that a wire can touch on any side.
 
-    ``reach`` is the sum of the radii of bar and wire, m. ``compliance`` is the ratio of the normal
-    to the tangential contact stiffness; 0 is rigid along the surface.
+    Attributes:
+        centre: position x + iy of the bar's centre, m.
+        reach: sum of the radii of bar and wire, m.
+        wire_radius: radius of the wire, m.
+        surface: friction and restitution of the bar.
+        compliance: ratio of the normal to the tangential contact stiffness. With 0 the contact is
+            rigid in the tangential direction.
     """
 
     centre: complex
@@ -106,10 +117,10 @@ class Bar:
     compliance: float = 0.0
 
     def feet(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return where the perpendicular from the bar's centre meets each piece's line.
+        """Return the coordinate along each piece of the bar's centre, m, shape (..., pieces).
 
-        It is the distance from the start of the piece (m), shape (..., pieces), and may be beyond
-        the piece.
+        The coordinate is the distance from the start of the piece to the foot of the perpendicular
+        from the bar's centre. The foot may lie outside the piece.
         """
         pieces = chain.pieces
         origins, _ = chain.points(motion, pieces.links, pieces.starts)
@@ -124,7 +135,10 @@ class Bar:
         return np.asarray(np.abs(nearest - self.centre) - self.reach)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
-        """Return the kinematics of a contact of the bar with a flank or a corner of a wire."""
+        """Return the kinematics of a contact between the bar and a wire.
+
+        ``point`` is the flank or the corner of the wire at which the contact acts.
+        """
         link, start, direction, length = (column[point.piece] for column in chain.pieces)
         away = length if point.corner else self.feet(chain, motion)[point.piece]
         place, carried = chain.points(motion, link, start + away * direction)
@@ -142,7 +156,7 @@ class Bar:
 class Workpart:
     """The workpart as an obstacle: the half-plane y < -depth, m.
 
-    The tip and the knees of a wire can touch it.
+    Only the tip and the knees of a wire can touch it.
     """
 
     depth: float
@@ -150,24 +164,24 @@ class Workpart:
     compliance: float = 0.0  # ratio of the normal to the tangential contact stiffness
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the height of each piece's end above the surface (m), shape (..., pieces).
+        """Return the gap between the workpart and each piece's end (m), shape (..., pieces).
 
-        It is infinite for an end that is neither a tip nor a knee.
+        The gap is infinite for an end that is neither a tip nor a knee.
         """
         places, _ = chain.points(motion, chain.pieces.links, chain.pieces.ends)
         return np.where(chain.corners, places.imag + self.depth, np.inf)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
-        """Return the kinematics of the contact of a tip or knee with the surface."""
+        """Return the kinematics of a contact between the workpart and a tip or knee."""
         link = int(chain.pieces.links[point.piece])
         corner, moving = chain.points(motion, link, chain.pieces.ends[point.piece])
         return touch_of(chain, motion, link, corner.imag + self.depth, 1j, corner, 0.0, moving)
 
 
 class WirePairs:
-    """All pairs of wires of a row, as one obstacle.
+    """The wires of a row as obstacles of each other, pair by pair.
 
-    The ``piece`` of a contact's ``Point`` is here the index of the pair.
+    A contact's ``Point.piece`` is here the index of the pair.
     """
 
     compliance = 0.0
@@ -186,7 +200,7 @@ class WirePairs:
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of the contact between the two wires of a pair.
 
-        The velocity is that of the first wire relative to the second wire.
+        The velocity is that of the first wire minus that of the second wire.
         """
         wires = self.pairs[point.piece]
         distance, end, places = self._nearest(chain, motion, *wires)
@@ -214,11 +228,14 @@ class WirePairs:
     def _nearest(
         chain: Chain, motion: Kinematics, first: int, second: int
     ) -> tuple[float, int, tuple[float, float]]:
-        """Return the nearest points of the centre lines of two wires.
+        """Return the shortest distance between the centre lines of two wires, and its end points.
+
+        At least one of the two points is an end of its wire.
 
         Returns:
-            The distance between the points, m; the index (0 or 1) of the wire whose end is one of
-            the points; and the distances of the points from the roots of their wires, m.
+            distance: the shortest distance, m.
+            end: which of the two wires has its end there, 0 for the first or 1 for the second.
+            places: distance of each point from the root of its wire, m.
         """
         length = chain.length
         along = chain.ends * motion.turn / length
@@ -236,7 +253,7 @@ Obstacles = Mapping[str, Bar | Workpart | WirePairs]
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
-    """Return the obstacles of a tool by name."""
+    """Return the bar and the workpart of a tool, as far as it has them, by name."""
     found: dict[str, Bar | Workpart] = {}
     if (bar := tool.bar) is not None:
         surface = Surface(friction=bar.friction, restitution=bar.restitution)
@@ -249,10 +266,10 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
 
 
 def follows(chain: Chain, piece: int) -> bool:
-    """Return whether a straight piece begins at the end of another piece, not at a wire's root."""
+    """Return whether a straight piece starts at the end of another piece, not at a wire's root."""
     return piece > 0 and not chain.tips[piece - 1]
 
 
 def dot(first: complex, second: complex) -> float:
-    """Return the scalar product of two vectors."""
+    """Return the scalar product of two vectors of the plane, given as complex numbers."""
     return float((np.conj(first) * second).real)

@@ -23,13 +23,17 @@ from bristle_sim.reference.system import System
 
 Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n,)
 
+# Degree of the Chebyshev series on one interval, its points in [-1, 1], and the matrix that turns
+# values at the points into coefficients.
 DEGREE = 16
 NODES = chebyshev.chebpts1(DEGREE + 1)
 WEIGHTS = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE))
-# Largest number of intervals: fifty halvings confine a kink or a jump to rounding error.
+# Largest number of intervals into which a step is divided: fifty halvings confine a kink or a jump
+# to rounding error.
 MOST_PIECES = 100
-# Mean of the function over the sum of the other coefficients of its series from which it has one sign.
-# The series of a function with a kink is off by less than this sum.
+# Ratio of a series' constant coefficient to the sum of its other coefficients above which the
+# function has one sign. 1 suffices for an exact series; the series of a function with a kink is in
+# error by less than the sum.
 FAR = 2.0
 # Size of the last coefficients of a series, as a fraction of the function's size, below which they
 # are rounding error.
@@ -37,7 +41,7 @@ SERIES_ROUNDING = 1e-13
 
 
 def nodes(start: float, end: float) -> Array:
-    """Return the 17 ascending times of an interval at which a series samples a function."""
+    """Return the 17 Chebyshev points of an interval in ascending order."""
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
@@ -49,20 +53,20 @@ def crossings(
     before: int = 0,
     values: Array | None = None,
 ) -> list[tuple[float, int]]:
-    """Return every change of sign of a function in [start, end], in order of time.
+    """Return the times at which a function changes its sign in [start, end], ascending.
 
-    Values within ``resolution`` of zero have no sign of their own; the last sign before them holds.
+    A value of magnitude below ``resolution`` counts as having the sign of the value before it.
 
     Args:
         function: the function of time.
         start, end: ends of the interval, s.
-        resolution: magnitude below which the function is rounding error.
+        resolution: magnitude below which a value of the function is rounding error.
         before: sign of the function before the interval. With 0 the first sign in the interval does
             not count as a change.
-        values: values at the times of ``nodes``, if they are known already.
+        values: values of the function at the times of ``nodes``, if the caller has them.
 
     Returns:
-        Pairs of the time (s) and +1 for a change to positive or -1 for a change to negative.
+        Pairs of the time (s) and the sign of the function after it, +1 or -1.
     """
     edges = {start, end}
     pieces = [(start, end)]
@@ -118,18 +122,19 @@ def first_event(
 ) -> tuple[float, Follow | None]:
     """Return the first event in a step of the integrator.
 
-    An event function that begins within rounding error of zero counts as being before its event.
+    An event function whose value at the start of the step is zero within rounding error is taken to
+    have the sign that it has before its event.
 
     Args:
         events: the possible events.
-        system: the links and their contacts.
-        motion: function that returns the states at given times.
+        system: the wires and their contacts.
+        motion: function that returns the states at an array of times (s).
         start: start of the step, s.
         end: end of the step, s.
 
     Returns:
         The time of the event (s) and the function that applies its consequence. Without an event
-        they are the end of the step and None.
+        the results are ``end`` and None.
     """
 
     def along(value: Value, times: Array) -> Array:

@@ -16,23 +16,27 @@ from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact, energetic_impact
 
-# Lowest height of a rebound, over hub radius plus length; after a lower one the contact is
-# sustained.
+# Lowest height of a rebound, as a fraction of hub radius plus wire length. A contact with a lower
+# rebound becomes sustained.
 LOWEST_REBOUND = 1e-10
-# Number of impacts of a single wire within ``AT_ONCE`` from which the wire counts as jammed.
+# Number of impacts of a single wire within the time ``AT_ONCE`` from which the wire is jammed.
 MOST_AT_ONCE = 64
-# Time within which impacts count as simultaneous, times the fastest rate, rad.
+# Time within which impacts count as simultaneous, times the highest angular frequency, rad.
 AT_ONCE = 1e-10
 
 
 def close_contact(system: System, name: str, piece: int, state: State) -> State:
-    """Record a touch, resolve the impacts that follow, and determine the contacts that last.
+    """Record a touch, resolve its impact, and determine which contacts last.
 
-    ``name`` is the obstacle, ``piece`` the index of the straight piece or pair of wires. The bar
-    touches a piece on its flank, at its end, or at its start, the end of the piece before it.
+    Args:
+        system: the wires and their contacts.
+        name: name of the obstacle that is touched.
+        piece: index of the straight piece or of the pair of wires. The bar can touch a piece on its
+            flank or at either end.
+        state: state at the touch.
 
     Returns:
-        The state after the impacts.
+        The state after the impact, and after further impacts that it causes.
     """
     new = Point(name, piece, name == "workpart")
     if name == "bar":
@@ -45,15 +49,15 @@ def close_contact(system: System, name: str, piece: int, state: State) -> State:
 
 
 def decide(system: System, state: State, new: Point | None = None) -> State:
-    """Resolve impacts among the closed contacts, then determine the contacts that stay closed.
+    """Resolve impacts at the closed contacts, then determine which contacts stay closed.
 
-    ``new`` is the location of a contact that begins.
+    ``new`` is the point of a contact that begins in this state.
 
     Returns:
         The state after the impacts.
 
     Raises:
-        Finished: if the run ends here.
+        Finished: if the wires jam or the event that ends the run has occurred.
     """
     begun = [] if new is None or new in system.rigid else [_begun(system, state, new)]
     touching = [*system.sustained, *begun]
@@ -98,7 +102,7 @@ def decide(system: System, state: State, new: Point | None = None) -> State:
 
 
 def _begun(system: System, state: State, point: Point) -> Sustained:
-    """Return the new contact at a point of a wire, with its springs if it is compliant."""
+    """Return the contact that begins at a point of a wire, compliant or rigid."""
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
     surface = obstacle.surface
@@ -121,12 +125,12 @@ def _begun(system: System, state: State, point: Point) -> Sustained:
 
 
 def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None:
-    """Return the stiffness of contacts with the workpart, N/m; None if they are rigid.
+    """Return the stiffness of contacts with the workpart (N/m), or None if the contacts are rigid.
 
-    At the first contact of any wire the stiffness is computed from the requested duration; it
-    belongs to the surface, so all later contacts have it too. For a rigid wire the impact law
-    relates the two. For a wire of several links the contact is taken to be frictionless, and the
-    hinges rigid.
+    At the first contact of any wire the stiffness is computed from the requested duration of that
+    contact. All later contacts have the same stiffness. For a wire of one link the impact law
+    relates duration and stiffness. For a wire of several links the computation neglects friction
+    and takes the hinges as rigid.
     """
     system = instant.system
     chain = system.chain
@@ -147,10 +151,11 @@ def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None
 def _impact(
     instant: Instant, touch: Touch, surface: Surface, compliance: float = 0.0
 ) -> tuple[Impact, Array]:
-    """Return an impact by the energetic law, and its effect on the rates of all links.
+    """Resolve an impact by the energetic law, and return its effect on all links.
 
-    The second result is the change of the rates (rad/s) per unit normal and per unit tangential
-    impulse, shape (links, 2).
+    Returns:
+        The impact; and the change of the links' angular velocities (rad/s) per unit normal and per
+        unit tangential impulse, shape (links, 2).
     """
     response = solve(instant.mass, touch.rows.T)
     inverse_mass = 0.5 * (touch.rows @ response + response.T @ touch.rows.T)
@@ -162,10 +167,10 @@ def _impact(
 
 
 def _set_foot(each: Compliant, touch: Touch, rounding: float) -> None:
-    """Determine the sense in which a tangential spring's foot slides, or let it stick.
+    """Determine whether the foot of a tangential spring sticks, or in which sense it slides.
 
-    If the foot sticks, it is moved so that the force lies within the friction cone. ``rounding`` is
-    the rounding error of a slip velocity, m/s.
+    The foot is the end of the spring at the obstacle. If it sticks, it is moved until the spring's
+    force lies within the friction cone. ``rounding`` is the rounding error of a slip velocity, m/s.
     """
     mu = each.friction
     most = mu * max(each.force(touch.gap), 0.0)
@@ -179,9 +184,9 @@ def _set_foot(each: Compliant, touch: Touch, rounding: float) -> None:
 
 
 def record(system: System, state: State, ending: Iterable[Sustained], outcome: str) -> None:
-    """Record sustained contacts that end in a state, with their outcome.
+    """Record sustained contacts that end at a state.
 
-    A contact without a duration is not recorded.
+    A contact of zero duration is not recorded. ``outcome`` is the reason why the contacts end.
     """
     instant = system.at(state)
     for each in ending:
@@ -198,7 +203,7 @@ def record(system: System, state: State, ending: Iterable[Sustained], outcome: s
 def end_compression(system: System, each: Compliant, state: State) -> State:
     """End the compression of a compliant contact and begin its restitution.
 
-    With a coefficient of restitution of 0 the contact ends.
+    If the coefficient of restitution is 0, the contact ends with its compression.
     """
     each.deepest = each.level - system.at(state).touch(each.point).gap
     each.compression = each.sums
@@ -208,9 +213,9 @@ def end_compression(system: System, each: Compliant, state: State) -> State:
 
 
 def change_phase(system: System, each: Compliant, state: State) -> State:
-    """Change a spring from loading to unloading or back.
+    """Change the normal spring of a contact from loading to unloading or back.
 
-    The tangential force does not change, except that it must lie within the new friction cone.
+    The tangential force stays the same unless it would lie outside the new friction cone.
     """
     touch = system.at(state).touch(each.point)
     pull = each.rub(touch)
@@ -224,7 +229,7 @@ def change_phase(system: System, each: Compliant, state: State) -> State:
 def end_compliant_contact(system: System, each: Compliant, state: State) -> State:
     """Record a compliant contact whose force has fallen to zero, and remove it from the system.
 
-    The wire leaves the workpart in the dent of the contact.
+    The gap at this instant is stored as the dent that the contact leaves in the workpart.
     """
     record(system, state, [each], "rebound" if each.law.restitution else "no rebound")
     system.sustained.remove(each)
@@ -235,7 +240,7 @@ def end_compliant_contact(system: System, each: Compliant, state: State) -> Stat
 
 
 def _hit(system: System, state: State, point: Point) -> State:
-    """Resolve and record one impact by the energetic law; return the state after it."""
+    """Resolve and record one impact by the energetic law, and return the state after it."""
     log = system.log
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
@@ -266,9 +271,10 @@ def _hit(system: System, state: State, point: Point) -> State:
 
 
 def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point]) -> State:
-    """Set the normal velocity to zero where a rebound would be too low to resolve.
+    """Set the normal velocity to zero at contacts where the wire would rebound very low.
 
-    Such a rebound has a height below ``LOWEST_REBOUND``.
+    Without this a wire that comes to rest would rebound infinitely often. The limit of the height
+    is ``LOWEST_REBOUND``.
     """
     if not points:
         return state

@@ -28,34 +28,38 @@ Value = Callable[[Instant], float]
 Follow = Callable[
     [State], State
 ]  # consequence of an event: function of the state before it that returns the state after it
-# Overlap at a located touch, over hub radius plus length: 100 times the rounding error of a gap.
+# Overlap at which a touch is located, as a fraction of hub radius plus wire length: 100 times the
+# rounding error of a gap.
 INSIDE = 1e-13
-# Distance by which a contact must pass a corner, over the wire's length, so that rounding error
-# does not move it back.
+# Distance by which a contact must pass a corner, as a fraction of the wire's length. A shorter
+# distance would let rounding error move the contact back.
 PAST = 1e-13
 ROUNDING = 1e-13  # rounding error of an event function, as a fraction of its size
-GAP_ROUNDING = 1e-15  # rounding error of a gap, over hub radius plus length
-IDLE = 10.0  # least relative rate that counts as a highest one, over the rounding error of a rate
+GAP_ROUNDING = 1e-15  # rounding error of a gap, as a fraction of hub radius plus wire length
+# Angular velocity relative to the hub below which its maximum is no event, as a multiple of the
+# rounding error of an angular velocity.
+IDLE = 10.0
 PEAK = "highest relative speed"
 
 LOCKED = 1e-6
-"""Normal acceleration per unit normal force with friction, over its value without friction, below
-which friction is about to lock a contact.
+"""Ratio of the normal accelerations per unit normal force with and without friction, below which
+friction is about to lock a contact.
 
-The contact force grows without bound as this ratio falls to zero. The rest of the way is so short
-that the ratio is linear in time up to 1e-12."""
+The contact force grows without bound as this ratio falls to zero. The time from here to the lock is
+so short that the ratio is linear in time with an error of 1e-12."""
 
 
 class Event(NamedTuple):
-    """An event that ends an interval of smooth motion: a function of the state changes its sign.
+    """An event that ends an interval of smooth motion: a change of sign of an event function.
 
     Attributes:
-        value: the function.
-        direction: sign of the function after the event.
-        resolution: magnitude below which the function is rounding error.
+        value: event function, a function of the state.
+        direction: sign of the event function after the event.
+        resolution: magnitude below which a value of the event function is rounding error.
         follow: function that applies the consequence of the event to the state.
-        extreme: whether the function may have either sign at the start of the interval. Any other
-            event happens at once if the function begins with its sign after the event.
+        extreme: whether the event function may have either sign at the start of the interval. For
+            any other event, a function that starts with its sign after the event means that the
+            event occurs at once.
     """
 
     value: Value
@@ -65,10 +69,12 @@ class Event(NamedTuple):
     extreme: bool = False
 
     def ahead(self, instant: Instant, zero: float = 0.0) -> Event:
-        """Return the event at which the function is beyond ``zero`` by its resolution.
+        """Return the event shifted so that it cannot occur at the start of the interval.
 
-        ``instant`` is the start of the interval. A function that is beyond zero there must first
-        pass its value there by its resolution. So the event is never at the start.
+        The shifted event occurs where the event function has passed the level ``zero`` by its
+        resolution. If the function is already past this level at the start of the interval
+        (``instant``), the event occurs where it has passed its value at the start by its
+        resolution.
         """
         value = self.value
         passed = max(self.direction * (value(instant) - zero), 0.0)
@@ -77,7 +83,7 @@ class Event(NamedTuple):
 
 
 def events_of(system: System, state: State) -> list[Event]:
-    """Return the events that can end the interval that begins at a state."""
+    """Return all events that could end the interval of smooth motion that starts at a state."""
     instant = system.at(state)
     found = _touch_events(system, instant)
     for own in system.log.records:
@@ -95,10 +101,11 @@ def events_of(system: System, state: State) -> list[Event]:
 
 
 def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
-    """Return the extremes of a wire's motion relative to the hub, and the limit of its retraction.
+    """Return the events of a wire's motion relative to the hub.
 
-    For a wire of several links the highest rate is no event: its hinges vibrate, so that the rate
-    of its first link has several maxima.
+    They are the largest retraction, the highest relative angular velocity, and a retraction of 90
+    degrees. The highest angular velocity is an event only of a wire of one link: in a chain,
+    vibration of the hinges gives the first link several maxima.
     """
     link = own.links.start
     rounding = system.rate_rounding(instant.state)
@@ -119,7 +126,7 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
         return state
 
     def lies_down(state: State) -> State:
-        """End the run where a wire leans over by 90 degrees and meets the hub."""
+        """End the run, because a wire has leaned over by 90 degrees and meets the hub."""
         own.event("retraction limit", state.time)
         raise Finished(StopReason.RETRACTION_LIMIT, state)
 
@@ -135,7 +142,7 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
 
 
 def _touch_events(system: System, instant: Instant) -> list[Event]:
-    """Return the events at which a wire touches an obstacle or leaves the dent of a contact."""
+    """Return the events at which a wire touches an obstacle or rises out of a contact's dent."""
     inside = INSIDE * system.size
     found = []
 
@@ -143,7 +150,7 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
         return float(at.gaps(name)[piece])
 
     def leave_dent(piece: int, state: State) -> State:
-        """Note that a corner of a wire has risen to the undented surface."""
+        """Note that a corner of a wire has risen out of its dent, up to the original surface."""
         del system.dents[piece]
         return state
 
@@ -161,9 +168,9 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Return whether a straight piece is in contact already where it could touch an obstacle.
+    """Return whether a straight piece already touches an obstacle, so that no new touch is sought.
 
-    The bar also touches a piece at its start, the end of the piece before it.
+    A contact of the bar at the end of the preceding piece counts as a contact of this piece too.
     """
     before = piece - 1 if obstacle == "bar" and follows(system.chain, piece) else None
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
@@ -171,31 +178,35 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
 
 
 def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
-    """Return the events of a rigid sustained contact's force.
+    """Return the events of the force of a rigid sustained contact.
 
-    The normal force falls to zero, or friction locks the contact. ``number`` is the index of the
-    contact.
+    The contact opens where the normal force falls to zero. If the contact slips, friction can also
+    lock it. ``number`` is the index of the contact.
     """
     acceleration = ROUNDING * system.size * system.fastest**2
     acting = instant.contacts[number]
 
     def pressing(at: Instant) -> float:
-        """Return the normal acceleration that the normal force causes, m/s^2.
+        """Return the normal acceleration that the contact force causes at the contact, m/s^2.
 
-        It has the sign of the normal force, and stays bounded where friction locks the contact.
+        It has the sign of the normal force. Unlike the force, it stays bounded where friction locks
+        the contact.
         """
         touch = at.contacts[number].touch
         ratio = 0.0 if acting.sticks else acting.ratio
         return float(at.balance.pushes[number, 0]) * normal_response(at.mass, touch, ratio)
 
     def freedom(at: Instant) -> float:
-        """Return the normal acceleration per unit force, with friction over without friction."""
+        """Return the normal acceleration with friction over that without it, for the same force."""
         touch = at.contacts[number].touch
         with_friction = normal_response(at.mass, touch, acting.ratio)
         return with_friction / normal_response(at.mass, touch, 0.0)
 
     def lock(state: State) -> State:
-        """End the run when friction locks the contact, found by linear extrapolation."""
+        """End the run at the instant at which friction locks the contact.
+
+        The instant is extrapolated linearly from the present state.
+        """
 
         def ahead(time: float) -> State:
             return State(state.time + time, state.angles + time * state.rates, state.rates)
@@ -212,9 +223,10 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
 
 
 def _spring_events(system: System, instant: Instant, each: Compliant) -> list[Event]:
-    """Return the events of a compliant contact's normal spring.
+    """Return the events of the normal spring of a compliant contact.
 
-    In loading, compression ends. In unloading, the force falls to zero or the spring loads again.
+    A spring in loading has one event, the end of compression. A spring in unloading has two: its
+    force falls to zero, or it is loaded beyond the deepest penetration.
     """
     speed = ROUNDING * system.size * system.fastest
     depth = max(ROUNDING * each.deepest, GAP_ROUNDING * system.size)
@@ -238,7 +250,7 @@ def _spring_events(system: System, instant: Instant, each: Compliant) -> list[Ev
 
 
 def _friction_event(system: System, instant: Instant, number: int) -> Event:
-    """Return the event at which the slip of a sustained contact stops or, in stick, begins.
+    """Return the event at which a sustained contact changes from slip to stick or back.
 
     ``number`` is the index of the contact.
     """
@@ -268,7 +280,7 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
 
 
 def _place_events(system: System, instant: Instant, each: Sustained) -> list[Event]:
-    """Return the events at which a contact moves between the wire's flank and its corner."""
+    """Return the events at which a contact with the bar passes from a flank to a corner or back."""
     name, index, corner = each.point
     length = float(system.chain.pieces.lengths[index])
     past = PAST * system.chain.length

@@ -22,19 +22,19 @@ from bristle_sim.reference.contacts import Touch
 
 STICK = 0
 
-# Distance from the edge of the friction cone, as a fraction of the largest friction force, from
-# which a contact slips: there stick and slip differ by rounding error.
+# Distance from the edge of the friction cone, as a fraction of the largest friction force, within
+# which a contact slips. At this distance stick and slip differ by rounding error.
 EDGE = 1e-10
 
 
 class Acting(NamedTuple):
-    """A closed contact with its kinematics, its friction and the forces of its springs.
+    """A closed contact: its kinematics, its friction and the forces of its springs.
 
     Attributes:
         touch: kinematics of the contact.
         friction: Coulomb's coefficient of friction.
-        slip: sign of the slip; 0 in stick.
-        push: force of the normal spring, N; None for a rigid contact.
+        slip: sign of the slip velocity; 0 in stick.
+        push: force of the normal spring, N; None for a contact that is rigid in this direction.
         rub: force of the tangential spring, N; None without a tangential spring.
     """
 
@@ -46,10 +46,10 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Whether a static friction force must be found for the contact.
+        """Whether the contact sticks, so that its friction force is an unknown of the equations.
 
-        If the normal force of a rigid contact alone keeps a single link at rest, no friction is
-        needed for that.
+        A rigid contact on a single link has no such unknown: the normal force alone keeps the link
+        at rest.
         """
         if self.slip != STICK or self.friction <= 0.0 or self.rub is not None:
             return False
@@ -57,14 +57,16 @@ class Acting(NamedTuple):
 
     @property
     def ratio(self) -> float:
-        """Ratio of the tangential to the normal force in slip, -friction times the slip's sign."""
+        """Ratio of the tangential to the normal force in slip: -friction times the slip's sign."""
         return -self.friction * self.slip
 
 
 class Balance(NamedTuple):
-    """Accelerations of the links, rad/s^2, and forces of the contacts, N.
+    """Solution of the equations of motion at one instant.
 
-    ``pushes`` holds the (normal, tangential) force of each contact, shape (contacts, 2).
+    Attributes:
+        accelerations: angular accelerations of the links, rad/s^2.
+        pushes: (normal, tangential) force of each contact (N), shape (contacts, 2).
     """
 
     accelerations: Array
@@ -72,12 +74,18 @@ class Balance(NamedTuple):
 
 
 def solve(matrix: Array, right: Array) -> Array:
-    """Return the solution of a system of linear equations."""
+    """Return the solution of a system of linear equations with the right-hand side ``right``."""
     return np.asarray(np.linalg.solve(matrix, right), dtype=float)
 
 
 def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
-    """Return the accelerations and the contact forces that solve the equations of motion."""
+    """Return the accelerations and the contact forces that solve the equations of motion.
+
+    Args:
+        mass: mass matrix of the links, kg m^2.
+        forces: generalized forces on the links, without those of the contacts, N m.
+        contacts: the contacts, each in stick or in slip of a given sense.
+    """
     links = len(forces)
     size = links + 2 * len(contacts)
     matrix = np.zeros((size, size))
@@ -110,20 +118,20 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
 def acting(
     mass: Array, forces: Array, contacts: Sequence[Acting], still: float
 ) -> dict[int, int] | None:
-    """Return the closed contacts that stay closed, with stick or slip of each of them.
+    """Return which of the closed contacts stay closed, and whether each of them sticks or slips.
 
-    All combinations of stick, slip and opening are tried. The result is None if no combination
-    obeys the equations and Coulomb's law.
+    The function tries all combinations of stick, slip and opening, and takes the first one that
+    obeys the equations of motion and Coulomb's law.
 
     Args:
         mass: mass matrix of the links, kg m^2.
-        forces: generalized forces on the links, N m.
-        contacts: closed contacts without an opening velocity. The function determines the sense of
-            their slip.
+        forces: generalized forces on the links, without those of the contacts, N m.
+        contacts: contacts with a gap and a normal velocity of zero.
         still: tangential velocity below which a contact may stick, m/s.
 
     Returns:
-        The sign of the slip, 0 for stick, of each contact that stays closed, by its index.
+        The sign of the slip (0 for stick) by the index of each contact that stays closed. None if
+        no combination obeys the equations.
     """
     options: list[tuple[int | None, ...]] = []
     for each in contacts:
@@ -151,7 +159,9 @@ def _consistent(
 ) -> bool:
     """Return whether a combination of closed and opening contacts obeys the equations of motion.
 
-    Every contact in ``chosen`` must obey Coulomb's law. All contacts in ``opening`` must open.
+    The contacts in ``chosen`` must stay closed and obey Coulomb's law. Those in ``opening`` must
+    have a normal acceleration that opens them. ``still`` is the velocity below which a contact may
+    stick, m/s.
     """
     try:
         accelerations, pushes = balance(mass, forces, chosen)
@@ -174,12 +184,20 @@ def _obeys_coulomb(
     free: Array,
     still: float,
 ) -> bool:
-    """Return whether forces and motion of a contact obey Coulomb's law.
+    """Return whether the force and the motion of a contact obey Coulomb's law.
 
-    A rigid contact must push, and friction must not lock it. The force of a sticking contact must
-    be within the friction cone. A contact that begins to slip must accelerate in the sense of its
-    slip. A contact that rests without a friction force must not accelerate. ``free`` holds the
-    accelerations of the links without contacts, rad/s^2.
+    A rigid contact must push, and friction must not lock it. In stick the force must lie within the
+    friction cone. A contact that begins to slip must accelerate in the sense of its slip. A contact
+    at rest whose friction force is not an unknown (``Acting.sticks``) must not accelerate
+    tangentially.
+
+    Args:
+        mass: mass matrix of the links, kg m^2.
+        each: the contact.
+        push: normal and tangential force of the contact, N.
+        accelerations: angular accelerations of the links, rad/s^2.
+        free: angular accelerations that the links would have without contacts, rad/s^2.
+        still: tangential velocity below which a contact may stick, m/s.
     """
     normal, tangential = push
     if each.rub is not None:
@@ -200,20 +218,23 @@ def _obeys_coulomb(
 
 
 def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
-    """Return the normal acceleration of a contact per unit normal force, with friction, 1/kg.
+    """Return the normal acceleration of a contact point per unit normal force in slip, 1/kg.
 
-    It is J_n M^-1 (J_n + f J_t)^T, with the rows J_n and J_t of ``touch``, the mass matrix M and
-    the ratio f of the tangential to the normal force. If it is not positive, friction locks the
-    contact.
+    The response is J_n M^-1 (J_n + f J_t)^T, with the rows J_n and J_t of ``touch``, the mass
+    matrix M and the ratio f of the tangential to the normal force (``ratio``). If the response is
+    not positive, friction locks the contact.
     """
     normal, tangential = touch.rows
     return float(normal @ solve(mass, normal + ratio * tangential))
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
-    """Return the smallest changes of angles and rates that close gaps and stop their opening.
+    """Return the smallest changes of the links' motion that set gaps and normal velocities to zero.
 
-    The changes are smallest in the norm of the mass matrix.
+    The norm of the mass matrix measures the changes.
+
+    Returns:
+        The changes of the angles (rad) and those of the angular velocities (rad/s).
     """
     rows = np.array([touch.rows[0] for touch in touches])
     response = solve(mass, rows.T)

@@ -19,13 +19,13 @@ STRIKE = "strike"
 
 
 class Finished(Exception):
-    """Raised to end a run; its arguments are the stop reason and the last state."""
+    """Raised to end a run. Its two arguments are the stop reason and the last state."""
 
 
 class Record:
     """The events and contacts of one wire.
 
-    ``number`` is the index of the wire in its row.
+    ``chain`` holds the wire's links, ``number`` is the index of the wire in its row.
     """
 
     def __init__(self, chain: Chain, number: int) -> None:
@@ -36,7 +36,7 @@ class Record:
         self.contacts: list[ContactRecord] = []
 
     def own(self, state: State) -> State:
-        """Return the part of a state that belongs to the wire's own links."""
+        """Return the state of this wire's links, from the state of the links of all wires."""
         return State(state.time, state.angles[self.links], state.rates[self.links])
 
     def relative(self, state: State) -> float:
@@ -45,11 +45,11 @@ class Record:
         return float(angle)
 
     def event(self, name: str, time: float) -> None:
-        """Record an event of the wire at a time in s."""
+        """Record that an event of this wire occurs at a time in s."""
         self.events.append(Event(name, time))
 
     def times(self, name: str) -> list[float]:
-        """Return the times of the wire's events of a name, s."""
+        """Return the times at which events of a given name occurred on this wire, s."""
         return [each.time for each in self.events if each.name == name]
 
     def contact(
@@ -61,15 +61,15 @@ class Record:
         outcome: str,
         phases: tuple[str, ...] = (),
     ) -> None:
-        """Record a contact or an impact.
+        """Record a contact or an impact of this wire.
 
         Args:
-            each: the contact; for an impact, its impulses and works as those of a contact.
+            each: the contact. An impact is given as a contact with the impact's impulses and works.
             until: state after the contact.
-            velocity: (normal, tangential) contact velocity after it, m/s.
+            velocity: (normal, tangential) contact velocity in this state, m/s.
             law: law of the contact, as in ``ContactRecord``.
-            outcome: outcome of an impact, or reason why a sustained contact ends.
-            phases: phases of an impact.
+            outcome: outcome of an impact, or the reason why a sustained contact ends.
+            phases: names of the phases of an impact, in order.
         """
         compression = each.sums if each.compression is None else each.compression
         pairs = {
@@ -94,12 +94,13 @@ class Record:
     def trajectory(
         self, samples: Sequence[tuple[State, Array]], obstacles: Iterable[str], **run: Any
     ) -> Trajectory:
-        """Return the trajectory of the wire.
+        """Return the trajectory of this wire.
 
         Args:
-            samples: states with the contact forces on each wire, as in ``Log``.
-            obstacles: names of the obstacles, of which an absent touch is recorded.
-            run: further entries of the trajectory.
+            samples: states, each with the contact forces on every wire, as in ``Log``.
+            obstacles: names of the obstacles. If the wire never touches one of them, this is
+                recorded as an event.
+            run: further attributes of ``Trajectory``.
         """
         states = [state for state, _ in samples]
         for name, absence in ABSENCES.items():
@@ -137,9 +138,14 @@ class Record:
 class Log:
     """The record of a run: samples of all wires, and the events and contacts of each wire.
 
-    ``interval`` is the time between samples, s. ``pairs`` holds the indices of the two wires of
-    each pair that can touch. A sample is a state with the sum of the normal and the sum of the
-    tangential contact forces on each wire (N), shape (wires, 2).
+    A sample is a state together with the contact forces on each wire: an array of the sums of the
+    normal and of the tangential forces (N), shape (wires, 2).
+
+    Args:
+        wires: the links of each wire, as a chain of its own.
+        interval: time between samples, s.
+        stop_after: name of the event that ends the run, or None.
+        pairs: indices of the two wires of each pair that can touch.
     """
 
     def __init__(
@@ -157,13 +163,17 @@ class Log:
         self.impacts: list[float] = []
 
     def of(self, point: Point) -> Sequence[Record]:
-        """Return the records of the one or two wires in a contact."""
+        """Return the records of the one or two wires that take part in a contact."""
         if point.obstacle == "wire":
             return [self.records[each] for each in self.pairs[point.piece]]
         return self.records if len(self.records) == 1 else [self.records[point.piece]]
 
     def sample(self, state: State, pushes: Iterable[tuple[Point, Array]]) -> None:
-        """Store a sample, a state with the forces at its contacts, unless it equals the last one."""
+        """Store a state and the forces at its contacts as a sample.
+
+        Nothing is stored if the sample equals the preceding one. ``pushes`` pairs the point of each
+        contact with its (normal, tangential) force, N.
+        """
         forces = np.zeros((len(self.records), 2))
         for point, push in pushes:
             for own in self.of(point):
@@ -176,7 +186,7 @@ class Log:
         self.samples.append((state, forces))
 
     def times(self, start: float, end: float) -> list[float]:
-        """Return the times of samples between a start and an end, both excluded, s.
+        """Return the sample times between ``start`` and ``end``, both excluded, s.
 
         They are multiples of the sampling interval.
         """
@@ -186,7 +196,10 @@ class Log:
         return times
 
     def touched(self, point: Point, time: float) -> None:
-        """Record a touch; a wire's first touch of the workpart is its strike."""
+        """Record a touch at a time in s.
+
+        A wire's first touch of the workpart is recorded as its strike.
+        """
         for own in self.of(point):
             strike = point.obstacle == "workpart" and not own.times(STRIKE)
             own.event(STRIKE if strike else f"{point.obstacle} touch", time)
@@ -197,9 +210,9 @@ class Log:
             own.event(f"{point.obstacle} release", time)
 
     def jam(self, state: State) -> Finished:
-        """Record a jam of all wires, and return the exception that ends the run.
+        """Record for every wire that the wires jam, and return the exception that ends the run.
 
-        In a jam friction or geometry locks the wires.
+        In a jam friction or geometry locks the wires, so that the equations have no solution.
         """
         for own in self.records:
             own.event("jam", state.time)

@@ -34,15 +34,16 @@ from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
 Complexes = NDArray[np.complex128]
 
-# Distance along the wire, over its length, within which a knee and the end of a link are one cut.
+# Distance along the wire, as a fraction of its length, within which a knee and the end of a link
+# coincide.
 CUT_ROUNDING = 1e-12
 
 
 class Pieces(NamedTuple):
     """The straight pieces of the wires' centre lines.
 
-    A link without a knee is one piece. Vectors are complex numbers for the unstressed wire at angle
-    0.
+    A straight link is one piece; a knee divides its link into two. Vectors are complex numbers x +
+    iy, in the axes of the unstressed wire at angle 0.
 
     Attributes:
         links: index of the link to which each piece belongs.
@@ -58,19 +59,22 @@ class Pieces(NamedTuple):
 
     @property
     def ends(self) -> Complexes:
-        """Return the vector from the link's first joint to the end of each piece, m."""
+        """Vector from the link's first joint to the end of each piece, m."""
         return np.asarray(self.starts + self.lengths * self.directions)
 
 
 class Kinematics(NamedTuple):
-    """Positions and motion of the links' first joints, in SI units, shape (..., links).
+    """Positions and motion of the links' first joints, shape (..., links).
+
+    A link's first joint is the one nearer to the hub. Vectors are complex numbers x + iy.
 
     Attributes:
-        turn: direction e^{i theta} of each link, with its absolute angle theta.
-        rates: absolute rate of each link.
-        joint: position of each link's first joint.
-        velocity: velocity of this joint.
-        acceleration: acceleration of this joint while the rates of all links are constant.
+        turn: unit vector e^{i theta} of each link, with its absolute angle theta.
+        rates: absolute angular velocity of each link, rad/s.
+        joint: position of each link's first joint, m.
+        velocity: velocity of each first joint, m/s.
+        acceleration: acceleration that each first joint has without angular accelerations of the
+            links, m/s^2.
     """
 
     turn: Complexes
@@ -81,29 +85,36 @@ class Kinematics(NamedTuple):
 
 
 class Chain:
-    """The mechanics of one or several wires of rigid links on a hub, in SI units.
+    """The equations of motion of one or several wires of rigid links on a hub, in SI units.
 
-    Arrays run over the links of all wires, or over their straight pieces.
+    The last axis of an array runs over the links of all wires, or over their straight pieces.
+    Vectors are complex numbers x + iy.
 
     Attributes:
         wires, links: number of wires, and number of links of all wires.
-        start_hub_angles: hub angle at the start (rad) of each link's wire.
+        start_hub_angles: for each link, the hub angle at which its wire starts, rad.
         pieces: straight pieces of the centre lines.
         middles: vector from the link's first joint to the middle of each piece, m.
         ends: vector from the first joint to the end of each link, m.
         arms: matrix of the vectors a_ij of the module's docstring (m), shape (pieces, links).
-        masses, inertias: mass of each piece, kg, and its moment of inertia about its middle, kg m^2.
-        before: matrix with a 1 in row k and column i if link k is before link i on its wire.
-        first: array with a 1 for each link that begins a wire.
-        apart: matrix that turns the angles of the links into differences from the link before.
+        masses: mass of each piece, kg.
+        inertias: moment of inertia of each piece about its middle, kg m^2.
+        before: matrix with a 1 in row k and column i if link k lies between the root and link i of
+            the same wire, 0 otherwise.
+        first: array with a 1 for each link that begins at a root, 0 otherwise.
+        apart: matrix that multiplies the links' angles to give each angle minus that of the
+            preceding link.
         tips: whether each piece ends at a wire's tip.
-        corners: whether each piece's end can touch a flat surface, at a tip or at a knee.
-        stiffness, damping: constants of the torsion spring, N m/rad, and of the damper, N m s/rad,
-            in each link's first joint.
+        corners: whether each piece ends at a tip or a knee, which can touch a flat surface.
+        stiffness: stiffness of the torsion spring in each link's first joint, N m/rad.
+        damping: constant of the damper in each link's first joint, N m s/rad.
     """
 
     def __init__(self, tool: Tool, *start_hub_angles: float) -> None:
-        """Divide a tool's bristle into links, for one wire per hub angle at which a wire starts."""
+        """Divide each wire into the tool's number of links.
+
+        ``start_hub_angles`` are the hub angles at which the wires start, one for each wire, rad.
+        """
         bristle = tool.bristle
         links = bristle.links
         count = len(start_hub_angles)
@@ -147,19 +158,19 @@ class Chain:
         self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 
     def hub_angles(self, time: Any) -> Array:
-        """Return the hub angle of each link's wire (rad), shape (..., links)."""
+        """Return the hub angle of each link's wire at a time in s (rad), shape (..., links)."""
         return np.asarray(np.add.outer(self.speed * time, self.start_hub_angles))
 
     def mass_matrix(self, turn: Complexes) -> Array:
-        """Return the mass matrix for given directions e^{i theta} of the links, kg m^2."""
+        """Return the mass matrix of the links (kg m^2) from their unit vectors e^{i theta}."""
         return np.asarray(
             (np.conj(turn)[:, None] * self.products * turn).real + self.inertia_matrix
         )
 
     def forces(self, time: float, angles: Array, motion: Kinematics) -> Array:
-        """Return the generalized forces on the links without contacts, N m.
+        """Return the generalized forces on the links without those of contacts, N m.
 
-        They come from inertia at constant rates, belt, hinges and gravity.
+        They consist of the centrifugal terms, gravity, and the torques of belt and hinges.
         """
         turned = self.middles * motion.turn[self.pieces.links]
         rates = motion.rates[self.pieces.links]
@@ -170,9 +181,10 @@ class Chain:
         return np.asarray(-inertia - torques @ self.apart.T)
 
     def _twists(self, values: Array, hub: Any) -> Array:
-        """Return the value of each link less the value of the link before it.
+        """Return the value of each link minus the value of the preceding link.
 
-        For the first link of a wire the value of the hub is subtracted.
+        ``values`` are angles or angular velocities. For the first link of a wire, ``hub`` is
+        subtracted.
         """
         return np.asarray(values @ self.apart - hub * self.first)
 
@@ -190,9 +202,10 @@ class Chain:
         )
 
     def jacobian(self, motion: Kinematics, link: int, arm: complex) -> Complexes:
-        """Return the derivatives of a point's velocity with respect to the rates of the links, m.
+        """Return the derivatives of a point's velocity with respect to the angular velocities, m.
 
-        ``arm`` is the vector from the link's first joint to the point, in the axes of the plane.
+        The point is fixed on the link number ``link``. ``arm`` is the vector from the first joint
+        of this link to the point in the present position, m.
         """
         row = 1j * self.ends * motion.turn * self.before[:, link]
         row[link] = 1j * arm
@@ -201,7 +214,8 @@ class Chain:
     def points(self, motion: Kinematics, links: Any, arms: Any) -> tuple[Any, Any]:
         """Return the positions (m) and velocities (m/s) of points that are fixed on links.
 
-        ``arms`` are the vectors from the links' first joints to the points (m) at angle 0.
+        ``links`` are the indices of the links. ``arms`` are the vectors from their first joints to
+        the points (m), in the axes of the unstressed wire at angle 0.
         """
         turned = arms * motion.turn[..., links]
         return (
@@ -212,7 +226,8 @@ class Chain:
     def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
         """Return the corners of a single wire's centre line (m) and their velocities (m/s).
 
-        The corners are the root and the end of every straight piece, shape (..., pieces + 1).
+        The corners are the root and the end of every straight piece. Both results have the shape
+        (..., pieces + 1).
         """
         arms = np.array([0j, *self.pieces.ends])
         return self.points(self.kinematics(time, angles, rates), [0, *self.pieces.links], arms)
@@ -231,11 +246,10 @@ class Chain:
 
     @property
     def fastest_rate(self) -> float:
-        """Upper bound of the angular frequencies in the motion without contacts, rad/s.
+        """Upper bound of the angular frequencies of the motion without contacts, rad/s.
 
-        It is the sum of three rates: the highest natural frequency of the straight chain in the
-        centrifugal field (from the largest generalised eigenvalue of stiffness and mass), the
-        highest decay rate of the chain's damping, and the hub's speed.
+        It is the sum of the highest natural angular frequency of the straight chain in the
+        centrifugal field, the highest decay rate of its damping, and the hub's speed.
         """
         springs = (self.apart * self.stiffness) @ self.apart.T
         dampers = (self.apart * self.damping) @ self.apart.T
@@ -250,7 +264,7 @@ class Chain:
 
 
 def _cut(bristle: Bristle) -> Pieces:
-    """Divide a wire's centre line into equally long links, and the links into straight pieces."""
+    """Divide a wire's centre line into equally long links, and each link into straight pieces."""
     corners = np.array([0j, *(complex(*corner) for corner in bristle.path)])
     sides = np.diff(corners)
     # Distances from the root along the wire, m.

@@ -28,16 +28,23 @@ from bristle_sim.reference.state import State
 from bristle_sim.reference.system import System
 from bristle_sim.settings import StopReason
 
-# Rate that scales tolerances where nothing moves, rad/s; without it the error of the rates would be 0/0.
+# Least angular velocity that scales the absolute tolerances, rad/s. Where nothing moves, a scale of
+# 0 would make the relative error 0/0.
 LEAST_RATE = 1e-300
 
 
 @dataclass(slots=True)
 class Run:
-    """One run: the integration of a system from a state to a time ``end``, s.
+    """One run: the integration of a system from an initial state to a given time.
 
-    ``tolerance`` is the integrator's relative tolerance. The run stops after ``most_evaluations``
-    evaluations of the equations of motion.
+    Attributes:
+        system: the wires with their obstacles and contacts.
+        state: present state, at first the initial one.
+        end: time at which the run ends, s.
+        tolerance: relative tolerance of the integrator.
+        most_evaluations: number of evaluations of the equations of motion after which the run
+            stops.
+        evaluations: number of evaluations so far.
     """
 
     system: System
@@ -48,7 +55,7 @@ class Run:
     evaluations: int = 0
 
     def run(self) -> StopReason:
-        """Integrate to the end of the run, and return the reason why it ended."""
+        """Integrate to the end of the run, and return the reason why the run ended."""
         system = self.system
         reason = StopReason.END
         wedged = False
@@ -71,7 +78,7 @@ class Run:
         return reason
 
     def _interval(self) -> Follow:
-        """Integrate to the next event, and return the function that applies its consequence."""
+        """Integrate until the next event, and return the function that applies its consequence."""
         system = self.system
         events = events_of(system, self.state)
         solver = self._solver()
@@ -102,9 +109,13 @@ class Run:
     def _follow(
         self, events: list[Event], values: Callable[[Any], Array], start: float, end: float
     ) -> Follow | None:
-        """Record the motion of a step of the integrator up to its end or its first event.
+        """Record the motion in a step of the integrator, up to the first event if there is one.
 
-        ``values`` returns the unknowns at given times.
+        Args:
+            events: the possible events.
+            values: function that returns the unknowns at an array of times (s).
+            start: start of the step, s.
+            end: end of the step, s.
 
         Returns:
             The function that applies the consequence of the event, or None without an event.
@@ -129,7 +140,8 @@ class Run:
     def _solver(self) -> DOP853:
         """Return an integrator that starts at the present state.
 
-        Its absolute tolerance of each unknown is scaled by the size that this unknown can have.
+        The absolute tolerance of each unknown is the relative tolerance times a bound of that
+        unknown.
         """
         chain = self.system.chain
         size = self.system.size
@@ -157,8 +169,8 @@ class Run:
     def _derivative(self, time: float, values: Array) -> Array:
         """Return the time derivatives of all unknowns of the integration.
 
-        They are the rates and accelerations of the links, and the forces and powers of the
-        sustained contacts.
+        The unknowns are the angles and angular velocities of the links, then the impulses and works
+        of the sustained contacts. So the derivatives of the latter are forces and powers.
         """
         instant = self.system.at(self._state(time, values))
         accelerations, pushes = instant.balance
@@ -167,7 +179,7 @@ class Run:
         return np.concatenate([instant.state.rates, accelerations, sums.ravel()])
 
     def _state(self, time: float, values: Array) -> State:
-        """Return the state that an array of unknowns contains."""
+        """Return the state of the links from the array of all unknowns at a time in s."""
         return State(time, *values[: 2 * self.system.chain.links].reshape(2, -1))
 
     def _sample(self, state: State) -> None:

@@ -29,11 +29,12 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajecto
 METHOD = "scipy DOP853"  # name of the method in a trajectory's parameters
 PERIODS_AT_REST = 3.0  # duration of a run on a resting hub, in natural periods of the bristle
 SAMPLES_PER_PERIOD = 64
-MOST_SAMPLES = 2e6
-OVERLAP_ROUNDING = 1e-12  # rounding error of a gap, over hub radius plus length
-FINEST = 1e-13  # smallest relative tolerance of the integrator: 500 rounding errors of a float
-SAMPLES_OF_STRIKE = 200  # number of samples in the longest permitted duration of a contact
-MOST_RADIANS = 1e5  # longest duration of a run, times the fastest rate, rad
+MOST_SAMPLES = 2e6  # largest number of samples of a run, which bounds its memory
+# Overlap at the start that counts as rounding error, as a fraction of hub radius plus wire length.
+OVERLAP_ROUNDING = 1e-12
+FINEST = 1e-13  # least relative tolerance of the integrator: 500 rounding errors of a float
+SAMPLES_OF_STRIKE = 200  # number of samples in ``longest``, the time in which a contact must end
+MOST_RADIANS = 1e5  # longest duration of a run, times the highest angular frequency, rad
 
 declared = functools.partial(quantity, usual=ANY)
 
@@ -69,25 +70,30 @@ def simulate_reference(
     stop_after: str | None = None,
     sample_interval: float | None = None,
 ) -> Trajectory:
-    """Simulate a pass with SciPy's integrator, independently of the engine.
+    """Simulate one pass of a bristle with SciPy's integrator, independently of the engine.
 
-    A pass consists of flight, taps and slides along the bar, release, strike and rebound. A wire
-    obeys the equations of the module ``mechanics``. With the hub angle psi and the angle alpha of
-    the bristle from the radial direction, the flight of a straight rigid bristle is
+    In a pass the bristle flies, taps the bar and slides along it, is released, strikes the workpart
+    and rebounds. The equations of motion are those of the module ``mechanics``. For a straight
+    rigid bristle in flight, with the hub angle psi and the angle alpha from the radial direction,
+    they are
 
         I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha = -m g (L/2) sin(psi +
         alpha).
 
-    A touch obeys the energetic impact law. A sustained contact keeps its gap closed with a force
-    that pushes. A rebound is neglected if its height is below 1e-10 of hub radius plus length, so
-    that taps become a sustained contact.
+    I, m and L are the bristle's inertia about its root, its mass and its length; c and k the belt's
+    damping and stiffness; r_h and omega the hub's radius and speed; g is gravity.
+
+    A touch is an impact by the energetic law. The force of a sustained contact keeps the gap closed
+    and can only push. A rebound lower than 1e-10 of hub radius plus length is neglected, so that
+    repeated taps end in a sustained contact.
 
     Args:
         tool: the tool; its bar and workpart may be None.
         start_hub_angle: hub angle at the start, rad; by default ``tool.start_hub_angle``.
-        start_relative_angle: angle of the bristle from the radial direction at the start, rad,
-            within a quarter turn.
-        start_relative_rate: rate of this angle at the start, rad/s.
+        start_relative_angle: angle of the bristle from the radial direction at the start, rad. Its
+            magnitude must be at most 1.57.
+        start_relative_rate: angular velocity of the bristle relative to the hub at the start,
+            rad/s.
         hub_turn: angle by which the hub turns in the run, rad. On a resting hub the run lasts three
             natural periods of the bristle.
         duration: duration of the run (s) in place of ``hub_turn``.
@@ -95,15 +101,15 @@ def simulate_reference(
             but at least 1e-13.
         stop_after: event that ends the run, as for the scene's ``simulate``. A touch ends the run
             just after the impact, or at the end of a contact that is resolved in time.
-        sample_interval: time between samples, s; by default 1/64 of a natural period or of a hub
-            turn, whichever is shorter.
+        sample_interval: time between samples, s; by default 1/64 of the bristle's natural period or
+            of the hub's period of revolution, whichever is shorter.
 
     Returns:
         The trajectory. Its ``cost.steps`` is the number of evaluations of the equations of motion.
 
     Raises:
-        ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5
-            radians of its fastest motion.
+        ValueError: for an argument out of range, for a start inside an obstacle, or if the duration
+            times the highest natural angular frequency is above 1e5 rad.
     """
     tool = checked_tool(tool)
     angle = tool.start_hub_angle if start_hub_angle is None else start_hub_angle
@@ -135,9 +141,9 @@ def simulate_row_reference(
 ) -> tuple[Trajectory, ...]:
     """Simulate a row of straight rigid bristles that touch the bar, the workpart and each other.
 
-    All bristles start together, radial and at rest relative to the hub, unless ``requested`` says
-    otherwise. A touch of two wires obeys the energetic impact law with the inverse mass of both
-    wires.
+    All bristles start at the same time, radial and at rest relative to the hub unless ``requested``
+    sets another start. A touch of two wires is an impact by the energetic law, in which both wires
+    move.
 
     Args:
         tool: a tool with a straight rigid bristle.
@@ -145,15 +151,16 @@ def simulate_row_reference(
         pitch: angle between the roots of neighbours, rad.
         neighbour_friction: coefficient of friction between two wires.
         neighbour_restitution: energetic coefficient of restitution between two wires.
-        hub_turn: angle by which the hub turns in the pass of each bristle, rad. The run lasts until
-            the last bristle has turned by it from the hub angle at which the foremost one starts.
-        requested: further arguments of ``simulate_reference``. The hub angle at the start is that
-            of the foremost bristle. The run stops when every bristle has had the event
-            ``stop_after``.
+        hub_turn: angle that sets the duration of the run, rad. At the end of the run the root of
+            the last bristle is this angle beyond the hub angle at which the foremost bristle
+            started.
+        requested: further arguments, as of ``simulate_reference``. ``start_hub_angle`` is that of
+            the foremost bristle. The run stops when the event ``stop_after`` has occurred on every
+            bristle.
 
     Returns:
-        One trajectory for each bristle, the foremost first, with common sample times. A touch of
-        two wires is the event ``wire touch`` of both.
+        One trajectory for each bristle, the foremost first, all with the same sample times. A touch
+        of two wires is recorded for both of them as the event ``wire touch``.
     """
     wall = clock.perf_counter()
     cpu = clock.process_time()
@@ -186,7 +193,7 @@ def simulate_row_reference(
 
 
 def _check_start(system: System, start: State) -> None:
-    """Raise ValueError if a wire starts inside the bar or the workpart."""
+    """Raise ValueError if a wire would start inside the bar or the workpart."""
     for name in system.obstacles:
         gaps = system.at(start).gaps(name)
         if name != "wire" and gaps.min() < -OVERLAP_ROUNDING * system.size:
@@ -199,12 +206,12 @@ def _check_start(system: System, start: State) -> None:
 
 
 def _span(tool: Tool, request: Request, row: float) -> tuple[float, float]:
-    """Return the end of the run and the time between samples, s.
+    """Return the time at which the run ends and the time between samples, s.
 
     ``row`` is the angle between the roots of the first and the last bristle, rad.
     """
-    # Natural rate of the wire on its belt with rigid hinges, and c/I, twice the rate of its decay,
-    # rad/s.
+    # ``swing``: natural angular frequency of the wire on its belt with rigid hinges, rad/s.
+    # ``decay``: c/I, twice the decay rate of the oscillation, 1/s.
     bristle = tool.bristle
     speed = tool.hub.speed
     inertia = bristle.inertia_about_root
@@ -238,7 +245,7 @@ def _span(tool: Tool, request: Request, row: float) -> tuple[float, float]:
 class TooStiffError(ValueError):
     """Raised when the wire or its contact is too stiff for the explicit integrator.
 
-    The integration would take too many evaluations of the equations of motion.
+    A stiff contact would take more evaluations of the equations of motion than are permitted.
     """
 
 
@@ -253,7 +260,7 @@ def strike_reference(
     accuracy: float = 1e-9,
     most_evaluations: int = 20_000,
 ) -> ContactRecord:
-    """Return the first contact of a wire's tip with the workpart, resolved in time on springs.
+    """Return the first contact of a wire's tip with the workpart, computed on contact springs.
 
     The springs are those of :class:`bristle_sim.reference.state.Compliant`. The record contains the
     history of forces and penetration.
@@ -262,12 +269,12 @@ def strike_reference(
         tool: a tool with a workpart; its bar is ignored.
         hub_angle: hub angle at the touch, rad. The tip is then at the surface and approaches it.
         angles: absolute angles of the links at the touch, rad.
-        rates: absolute rates of the links at the touch, rad/s.
-        stiffness: stiffness of the contact, N/m.
+        rates: absolute angular velocities of the links at the touch, rad/s.
+        stiffness: normal stiffness of the contact, N/m.
         longest: time within which the contact must end, s.
         accuracy: requested relative accuracy; the integrator's tolerance is a hundredth of it.
-        most_evaluations: largest number of evaluations of the equations of motion. The contact of a
-            usual wire of 8 links takes a thousand.
+        most_evaluations: largest number of evaluations of the equations of motion. A wire of 8
+            links usually takes about a thousand.
 
     Raises:
         ValueError: if the contact does not end within ``longest``.

@@ -15,7 +15,7 @@ from bristle_sim.theory.contact_spring import ContactSpring
 
 
 class State(NamedTuple):
-    """The state of all links: time (s), absolute angles (rad) and absolute rates (rad/s)."""
+    """The state of all links: time (s), absolute angles (rad) and angular velocities (rad/s)."""
 
     time: float
     angles: Array
@@ -24,17 +24,17 @@ class State(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Sustained:
-    """A sustained contact; it is rigid unless it is an object of the subclass.
+    """A sustained contact. It is rigid unless it belongs to the subclass ``Compliant``.
 
     Attributes:
-        point: location of the contact on the wire.
-        surface: coefficients of the contact.
+        point: point of the wire at which the contact acts.
+        surface: coefficients of friction and restitution.
         since: state at the start of the contact.
         velocity_before: (normal, tangential) contact velocity at the start, m/s.
-        slip: sense of the slip; 0 in stick.
-        sums: normal and tangential impulse (N s) and normal and tangential work (J) so far.
-        compression: impulses and works, as in ``sums``, at the end of compression; None before it,
-            and for a contact without compression.
+        slip: sign of the slip velocity; 0 in stick.
+        sums: normal and tangential impulse (N s), and normal and tangential work (J), so far.
+        compression: value of ``sums`` at the end of compression. None during compression, and for a
+            rigid contact.
     """
 
     point: Point
@@ -47,23 +47,27 @@ class Sustained:
 
     @property
     def friction(self) -> float:
-        """Coulomb's coefficient of friction at present."""
+        """Coulomb's coefficient of friction in the present phase of the contact."""
         return self.surface.friction
 
     def acting(self, touch: Touch) -> Acting:
-        """Return the contact with its kinematics and the forces of its springs."""
+        """Return the contact with its kinematics and friction.
+
+        ``touch`` is the kinematics at the present instant.
+        """
         return Acting(touch, self.friction, self.slip)
 
 
 @dataclass(slots=True, eq=False, kw_only=True)
 class Compliant(Sustained):
-    """A sustained contact with a normal spring and perhaps a tangential one.
+    """A sustained contact with a normal spring and, if the law has one, a tangential spring.
 
     Attributes:
         law: stiffness, restitution and friction of the contact.
-        level: gap at which the contact began, from which the penetration is measured, m. It is
-            negative in the dent of an earlier contact.
-        anchor: position of the tangential spring's foot along the surface while it sticks, m.
+        level: gap at which the contact began, m; penetration is measured from it. It is negative if
+            the contact began in the dent of an earlier contact.
+        anchor: coordinate of the tangential spring's foot along the surface while it sticks, m. The
+            foot is the end of the spring at the workpart.
         deepest: deepest penetration, m.
         loading: whether the normal spring is in loading.
     """
@@ -76,7 +80,7 @@ class Compliant(Sustained):
 
     @property
     def friction(self) -> float:
-        """Coulomb's coefficient of friction; while the spring unloads, that in restitution."""
+        """Coulomb's coefficient of friction: that of restitution while the spring unloads."""
         return self.law.coefficient(loading=self.loading)
 
     def acting(self, touch: Touch) -> Acting:
@@ -84,11 +88,11 @@ class Compliant(Sustained):
         return Acting(touch, self.friction, self.slip, self.force(touch.gap), self.rub(touch))
 
     def force(self, gap: float) -> float:
-        """Return the normal force (N) at a gap (m), measured from the undented surface."""
+        """Return the normal force (N) at a gap (m) from the original surface."""
         return self.law.normal_force(self.level - gap, None if self.loading else self.deepest)
 
     def rub(self, touch: Touch) -> float | None:
-        """Return the tangential force, N; None if the contact is rigid along the surface."""
+        """Return the force of the tangential spring, N; None without a tangential spring."""
         if not self.law.compliance:
             return None
         if self.slip:
@@ -96,9 +100,9 @@ class Compliant(Sustained):
         return self.law.tangential_force(touch.along, self.anchor)
 
     def foot(self, touch: Touch, slip: int) -> float:
-        """Return the velocity of the tangential spring's foot in a sense of slip, m/s.
+        """Return the velocity of the tangential spring's foot in the sense of ``slip``, m/s.
 
-        Without a tangential spring it is the velocity of the contact point in this sense.
+        Without a tangential spring it is the velocity of the contact point.
         """
         normal, tangential = touch.velocity.tolist()
         return slip * self.law.foot_velocity((normal, tangential), slip, loading=self.loading)

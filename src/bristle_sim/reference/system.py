@@ -19,25 +19,25 @@ from bristle_sim.settings import StopReason
 
 TOUCHES = (STRIKE, "workpart touch", "bar touch", "wire touch")
 
-# Rounding error of a rate, over the fastest rate, for each radian turned; measured are 3e-15 in one
-# turn, and 7e-15 in 80 turns.
+# Rounding error of a link's angular velocity, divided by the highest angular frequency and by the
+# link's angle in rad. Measured are 3e-15 in one revolution, and 7e-15 in 80 revolutions.
 RATE_ROUNDING = 1e-13
-REST = 1e-10  # largest velocity that counts as rest, over the bound of all velocities
+REST = 1e-10  # largest speed that counts as rest, as a fraction of the bound of all speeds
 REST_OF_FASTEST = 1e-3
-"""Fraction of the fastest rate of the tool that bounds the velocities from below, where the hub and
-all links are slow."""
+"""Least angular velocity that enters the bound of all speeds, as a fraction of the tool's highest
+angular frequency. It acts where the hub and all links are slow."""
 
 SLIP_ROUNDING = 1e-3
-"""Rounding error of a slip velocity, over the largest velocity that counts as rest: some hundred
-roundings of the bound of all velocities."""
+"""Rounding error of a slip velocity, as a fraction of the largest speed that counts as rest. It is
+some hundred rounding errors of the bound of all speeds."""
 
 
 class System:
     """One or several wires with their obstacles by name, their sustained contacts and their log.
 
-    Contacts with the workpart are compliant if a stiffness (N/m) or a duration of the first
-    contact (s) is given. From the duration the stiffness is computed when a wire first touches the
-    workpart. All other contacts are rigid.
+    Contacts with the workpart are compliant if ``stiffness`` (N/m) or ``duration`` (s) is given.
+    The latter is the duration of the first contact, from which the stiffness is computed at that
+    contact. All other contacts are rigid.
     """
 
     def __init__(
@@ -60,18 +60,18 @@ class System:
         self.fastest = chain.fastest_rate
 
     def at(self, state: State) -> Instant:
-        """Return a state together with its kinematics and forces."""
+        """Return the instant of a state, which computes its kinematics and forces."""
         return Instant(self, state)
 
     @property
     def rigid(self) -> list[Point]:
-        """Return the locations of the rigid sustained contacts."""
+        """Points at which rigid sustained contacts act."""
         return [each.point for each in self.sustained if not isinstance(each, Compliant)]
 
     def check_stop(self, state: State) -> None:
-        """Raise Finished if every wire has had the event that ends the run.
+        """Raise Finished if the event that ends the run has occurred on every wire.
 
-        If this event is a touch, compliant contacts must have ended too.
+        If this event is a touch, the run continues until no contact is compliant.
         """
         last = self.log.stop_after
         if last is None or not all(own.times(last) for own in self.log.records):
@@ -80,7 +80,7 @@ class System:
             raise Finished(StopReason.EVENT, state)
 
     def still(self, state: State) -> float:
-        """Return the largest velocity that counts as rest, m/s."""
+        """Return the speed below which a contact point counts as being at rest, m/s."""
         rates = (self.chain.speed, float(np.abs(state.rates).max()), REST_OF_FASTEST * self.fastest)
         return REST * self.size * max(rates)
 
@@ -89,14 +89,15 @@ class System:
         return SLIP_ROUNDING * self.still(state)
 
     def rate_rounding(self, state: State) -> float:
-        """Return the rounding error of a link's rate, rad/s.
+        """Return the rounding error of a link's angular velocity, rad/s.
 
-        It is the rounding error of the link's angle times the fastest rate.
+        It is the rounding error of the link's angle (rad) times the highest natural angular
+        frequency.
         """
         return RATE_ROUNDING * self.fastest * max(1.0, float(np.abs(state.angles).max()))
 
     def closed(self, state: State) -> State:
-        """Return the nearest state in which rigid contacts are closed and do not open."""
+        """Return the nearest state with zero gap and zero normal velocity at all rigid contacts."""
         if not (points := self.rigid):
             return state
         instant = self.at(state)
@@ -105,9 +106,9 @@ class System:
 
 
 class Instant:
-    """A state together with its kinematics and its forces.
+    """A state with its kinematics, its mass matrix, its forces and its contacts.
 
-    Each quantity is computed once, when it is first used.
+    Each quantity is computed when it is first used, and then stored.
     """
 
     def __init__(self, system: System, state: State) -> None:
@@ -117,7 +118,7 @@ class Instant:
 
     @cached_property
     def motion(self) -> Kinematics:
-        """Positions and motion of the links' first joints."""
+        """Positions and velocities of the links' first joints."""
         return self.system.chain.kinematics(*self.state)
 
     @cached_property
@@ -127,39 +128,36 @@ class Instant:
 
     @cached_property
     def forces(self) -> Array:
-        """Generalized forces on the links without contacts, N m."""
+        """Generalized forces on the links without those of contacts, N m."""
         return self.system.chain.forces(self.state.time, self.state.angles, self.motion)
 
     def touch(self, point: Point) -> Touch:
-        """Return the kinematics of the contact at a point."""
+        """Return the kinematics of the contact at a point of a wire."""
         return self.system.obstacles[point.obstacle].touch(self.system.chain, self.motion, point)
 
     def acting(self, sustained: Iterable[Sustained]) -> list[Acting]:
-        """Return sustained contacts with their kinematics and spring forces."""
+        """Return the given contacts with their kinematics, friction and spring forces."""
         return [each.acting(self.touch(each.point)) for each in sustained]
 
     @cached_property
     def contacts(self) -> list[Acting]:
-        """The sustained contacts with their kinematics."""
+        """The sustained contacts with their kinematics, friction and spring forces."""
         return self.acting(self.system.sustained)
 
     @cached_property
     def balance(self) -> Balance:
-        """Accelerations of the links and forces of the sustained contacts."""
+        """Angular accelerations of the links and forces of the sustained contacts."""
         return balance(self.mass, self.forces, self.contacts)
 
     def gaps(self, name: str) -> Array:
-        """Return the gaps between the wires and the obstacle of this name, m."""
+        """Return the gaps between the wires and the obstacle of the given name, m."""
         if name not in self._gaps:
             self._gaps[name] = self.system.obstacles[name].gaps(self.system.chain, self.motion)
         return self._gaps[name]
 
     @cached_property
     def feet(self) -> Array:
-        """Return where the perpendicular from the bar's centre meets each straight piece.
-
-        It is the distance from the start of the piece, m.
-        """
+        """Coordinate along each straight piece of the bar's centre, m, as of ``Bar.feet``."""
         bar = self.system.obstacles["bar"]
         assert isinstance(bar, Bar)
         return bar.feet(self.system.chain, self.motion)
