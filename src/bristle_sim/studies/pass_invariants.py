@@ -24,18 +24,18 @@ Points = NDArray[np.complex128]
 X_Y = np.array([1.0, 1j])
 """Points (x, y) in the last axis of an array times X_Y are complex numbers x + i y."""
 
-# Ratio of the tolerance of an invariant to the requested accuracy: a squared rate doubles an error,
-# and the errors of two contacts and two flights add up.
+# Tolerance of an invariant, divided by the requested accuracy. The square of an angular velocity
+# has twice its relative error, and the errors of two contacts and two flights add up.
 MAGNIFIED = 10.0
 # Smallest relative tolerance: energies are sums over some hundred intervals, each with an error of
 # 1e-13.
 LEAST_TOLERANCE = 1e-9
-# Smallest relative tolerance with contacts that are simulated over time. Rounding error of the
-# penetration keeps their duration above some 1e-6 of the motion's time scale, and they differ from
-# the rigid-body limit by as much.
+# Smallest relative tolerance with contacts that are resolved in time. Rounding error of the
+# penetration keeps their duration above some 1e-6 of the motion's time scale. Their difference from
+# the rigid-body limit is of the same size.
 LEAST_COMPLIANT_TOLERANCE = 1e-5
-# Largest time between contacts with bar and workpart that count as simultaneous, over the run's time.
-# The impact law is for one contact and is not tested there.
+# Largest time between contacts with bar and workpart that count as simultaneous, divided by the
+# duration of the run. The law of a single impact is not tested on simultaneous contacts.
 SAME_INSTANT = 1e-9
 
 WORDS = {
@@ -52,20 +52,21 @@ WORDS = {
 def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Quantity, ...]:
     """Return the errors of a pass's invariants, with tolerances that follow from the accuracy.
 
-    In theory every error is 0. Each is a fraction of a reference value:
+    In theory every error is 0. Each error is a fraction of a reference value:
 
-    - ``energy_balance``: largest imbalance of energy in a flight or an impact, over the largest
-      kinetic energy.
-    - ``deepest_overlap``: deepest overlap of wire and obstacle, over the bristle's length.
-    - ``impulse_momentum_error``: change of velocity at the strike that the impulse p does not
-      explain, (v' - v) - K p, over the speed before it. K is the inverse mass matrix.
-    - ``restitution_work_error``: W_r + e*^2 W_c at the strike, over W_c. W_c and W_r are the works
-      of the normal force in compression and restitution.
+    - ``energy_balance``: largest imbalance of energy in a flight or an impact, divided by the
+      largest kinetic energy.
+    - ``deepest_overlap``: deepest overlap of wire and obstacle, divided by the bristle's length.
+    - ``impulse_momentum_error``: magnitude of (v' - v) - K p at the strike, divided by that of v. v
+      and v' are the contact point's velocities before and after, K is the inverse mass matrix, and
+      p the impulse.
+    - ``restitution_work_error``: |W_r + e*^2 W_c| at the strike, divided by |W_c|. W_c and W_r are
+      the works of the normal force in compression and restitution, e* is the energetic restitution.
     - ``friction_cone_excess``: tangential impulse at the strike beyond mu_1 p_c + mu_2 (p_f - p_c),
-      over the normal impulse. mu_1 and mu_2 are the friction in compression and restitution, p_c
-      and p_f the normal impulse at the end of compression and at the end.
-    - ``friction_work``: largest positive work of friction in a contact, over the largest kinetic
-      energy.
+      divided by p_f. mu_1 and mu_2 are the friction coefficients in compression and restitution.
+      p_c and p_f are the normal impulses at the end of compression and at the end of the impact.
+    - ``friction_work``: largest positive work of friction in a contact, divided by the largest
+      kinetic energy. Friction should do negative work.
 
     Energy balance and impulse-momentum error are defined for a rigid bristle alone.
     """
@@ -90,22 +91,26 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
 
 
 def invariants_in_words(invariants: Sequence[Quantity]) -> str:
-    """Return the sentence that lists the satisfied invariants and the largest of their errors."""
+    """Return a sentence with the satisfied invariants and the largest of their errors."""
     kept = {each.name: abs(each.simulated or 0.0) for each in invariants if each.ok}
     *others, last = dict.fromkeys(map(WORDS.__getitem__, kept))
     return f"{' and '.join(filter(None, [', '.join(others), last]))} are satisfied to {max(kept.values()):.0e}"
 
 
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
-    """Return the largest energy imbalance of a flight or an impact, and the error of its
-    quadrature, J.
+    """Return the largest energy imbalance of a flight or an impact, J.
 
-    The balance is that of Jacobi's integral, the energy in the frame of the hub: kinetic, belt,
-    centrifugal and gravity energy. In flight it falls at the rate c alpha'^2 - omega m g x, where c
-    is the belt's damping, alpha the relative angle and x the place of the bristle's centre. An
-    impact changes it by the work of the impulse less omega times the moment of the impulse about
-    the hub's centre. Sustained contacts are left out, since the obstacle's shape prescribes their
-    motion.
+    The balance is that of Jacobi's integral. It is the energy in the frame that rotates with the
+    hub: the sum of kinetic, belt, centrifugal and gravity energy. In flight it falls by c alpha'^2
+    - omega m g x per unit time. c is the belt's damping coefficient, alpha the bristle's angle
+    relative to the hub, omega the hub speed, m g the bristle's weight, and x the horizontal
+    coordinate of its centre. An impact changes it by the work of the impulse minus omega times the
+    impulse's moment about the hub's centre. Sustained contacts are left out, since the obstacle's
+    shape prescribes their motion.
+
+    Returns:
+        The largest imbalance, J.
+        The error of the numerical integration over a flight, J.
     """
     bristle = tool.bristle
     omega = tool.hub.speed
@@ -125,8 +130,10 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     slope -= omega * weight * forward
 
     def lost(at: Array) -> float:
-        """Return the energy lost over some samples, J: the integral of the power by the trapezoidal
-        rule with end slopes, of fourth order.
+        """Return the energy lost over some samples, J.
+
+        It is the time integral of the power by the trapezoidal rule with end corrections, of fourth
+        order.
         """
         step = np.diff(run.time[at])
         mean = 0.5 * (power[at][1:] + power[at][:-1])
@@ -161,10 +168,10 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
 
 
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
-    """Return the deepest overlap of wire and obstacle at any sample, over the wire's length; 0
-    without overlap.
+    """Return the deepest overlap of wire and obstacle at any sample, divided by the wire's length.
 
-    A contact of requested duration enters the workpart, which is no error.
+    It is 0 without overlap. A contact of requested duration is left out, because the wire then
+    penetrates the workpart by design.
     """
     depths = [0.0]
     lines = run.centre_line @ X_Y
@@ -179,10 +186,10 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
-    """Return by how much the first strike of a run violates its impact law, by the name of each
-    error.
+    """Return by how much the first strike of a run violates the rigid-body impact law.
 
-    The dictionary is empty if the law does not apply to the strike.
+    The keys are the names of the errors, as in :func:`invariant_rows`. The dictionary is empty if
+    the law does not apply to the strike.
     """
     strike = run.first_contact("workpart")
     part = tool.workpart
@@ -217,16 +224,19 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
 
 
 def in_plane(normal: Any, pair: Any) -> Any:
-    """Return a vector of a normal and a tangential component in the plane; the normal is a unit
-    vector out of the obstacle.
+    """Return a vector of the plane, as a complex number, from its components at a contact.
+
+    ``normal`` is the unit vector out of the obstacle. ``pair`` has the normal and the tangential
+    component.
     """
     return normal * (pair[0] - 1j * pair[1])
 
 
 def nearest(bar: Bar, lines: Points) -> Points:
-    """Return the point of each centre line that is nearest to the bar, shape (...).
+    """Return the point of each centre line that is nearest to the bar.
 
-    ``lines`` are the corners of the centre lines, shape (..., corners).
+    ``lines`` holds the corners of the centre lines as complex numbers, shape (..., corners). The
+    points have the shape (...).
     """
     centre = complex(*bar.centre)
     start = lines[..., :-1]
@@ -238,8 +248,10 @@ def nearest(bar: Bar, lines: Points) -> Points:
 
 
 def surface_point(tool: Tool, obstacle: str, place: Any) -> tuple[Any, Any]:
-    """Return the outward normal of an obstacle, and the contact point, where it touches the wire's
-    centre line at a place.
+    """Return the outward normal of an obstacle, and its contact point with the wire.
+
+    ``place`` is the point of the wire's centre line at the contact. All are complex numbers x + i
+    y, in m except for the normal.
     """
     if tool.bar is None or obstacle == "workpart":
         return 1j, place

@@ -35,8 +35,8 @@ FORMULA = " by formula"  # suffix that marks the value of a quantity by formula
 CODE = "outcome_code"  # name under which a run returns the index of its outcome in OUTCOMES
 
 ROUNDING = 1e-7
-"""Largest relative range of a quantity's values at which it counts as constant: ten times the usual
-accuracy of the passes."""
+"""Largest difference between a quantity's values, divided by their magnitude, at which the quantity
+counts as constant. It is ten times the usual accuracy of the passes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +44,11 @@ class Series:
     """Values of a swept parameter, or of a quantity at all points of a sweep.
 
     Attributes:
-        label: key of the parameter, or name of the quantity in words.
-        unit: unit of the values: SI, or deg.
-        values: values of the parameter, or an array with one axis for each parameter; NaN where
-            there is no value.
-        is_key: whether it is a parameter, which is shown in its customary unit.
+        label: name of the parameter, or of the quantity in words.
+        unit: unit of the values: an SI unit, or deg.
+        values: values of the parameter, or an array of the quantity with one axis for each
+            parameter. A missing value is NaN.
+        is_key: whether the series is a parameter. A parameter is shown in its customary unit.
     """
 
     label: str
@@ -58,7 +58,10 @@ class Series:
 
     @property
     def display(self) -> tuple[str, float]:
-        """Readable unit of the values, and its size in their own unit; "" for pure numbers."""
+        """Readable unit, and the factor from it to the unit of the values.
+
+        The unit is empty for pure numbers.
+        """
         if self.is_key:
             return display_unit(self.label, self.unit)
         unit, size = readable_unit(self.unit, self.values.ravel().tolist())
@@ -72,17 +75,17 @@ class Series:
 
     @property
     def known(self) -> bool:
-        """Whether there is a value at one point or more."""
+        """Whether there is a value at one point at least."""
         return bool(np.isfinite(self.values).any())
 
     @property
     def changes(self) -> bool:
-        """Whether the values change by more than rounding error over the points."""
+        """Whether the values differ by more than rounding error among the points."""
         known = self.values[np.isfinite(self.values)]
         return bool(known.size and np.ptp(known) > ROUNDING * np.abs(known).max())
 
     def in_words(self, value: float, digits: int = 4) -> str:
-        """Return one of the values in words with its unit."""
+        """Return a value of the series as text with its readable unit."""
         if not self.is_key:
             return amount(float(value) + 0.0, self.unit, digits)
         unit, size = self.display
@@ -91,15 +94,15 @@ class Series:
 
 @dataclass(frozen=True, slots=True)
 class Swept:
-    """Quantities over one or two parameters.
+    """Quantities as functions of one or two parameters.
 
     Attributes:
-        axes: each parameter, by its name.
-        quantities: each quantity, by its name.
-        failure: reason why a point lacks a quantity, for each point; empty where all are there.
+        axes: values of each parameter, by its name.
+        quantities: values of each quantity, by its name.
+        failure: for each point the reason why quantities are missing; empty where none is missing.
         outcome: outcome of the pass at each point, in words; None if the scenario has no passes.
-        check: sentence on the agreement with single simulations at some points; empty if every
-            point is a simulation.
+        check: sentence on the agreement with simulations at some points; empty if every point is a
+            simulation.
     """
 
     axes: dict[str, Series]
@@ -110,10 +113,9 @@ class Swept:
 
 
 def sweep_in_arrays(tool: Tool, settings: Settings, axes: dict[str, Series]) -> Swept:
-    """Compute whole passes of a straight rigid bristle over one or two parameters, all points at
-    once.
+    """Compute the passes of a straight rigid bristle at all points of a sweep at once.
 
-    Some points are simulated one by one too; ``check`` of the result states how well they agree.
+    Some points are also simulated one by one. ``check`` of the result states how well they agree.
     """
     passes = pass_quantities(tool, settings, **_grids(axes))
     random = np.random.default_rng(1)
@@ -144,15 +146,15 @@ def sweep_of_runs(
     Args:
         run: function that takes the parameters as keyword arguments and returns the scenario's
             report. If it raises ValueError, the message is the reason why the point lacks results.
-        axes: each parameter.
+        axes: values of each parameter, by its name.
         workers: processes or cluster that compute the points, as for :func:`bristle_sim.sweep`,
-            which raises the same errors.
-        store: folder that keeps finished points, as for :func:`bristle_sim.sweep`. Without workers
-            and store the points are computed one after the other.
+            which raises the same errors. Without workers and store the points are computed one
+            after the other.
+        store: folder in which finished points are stored, as for :func:`bristle_sim.sweep`.
 
     Returns:
         The simulated values of the report's quantities. A quantity that is not simulated at any
-        point has its values by formula.
+            point has its values by formula.
     """
     function = functools.partial(_quantities, run)
     if workers is None and store is None:
@@ -187,10 +189,10 @@ def sweep_of_runs(
 
 
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
-    """Run a scenario at one point and return its values by name: simulated ones, else those by
-    formula.
+    """Run a scenario at one point, and return its simulated values by name.
 
-    The entry ``failure`` is the reason why some values may be missing.
+    A quantity without a simulated value has its value by formula, with FORMULA after its name. The
+    entry ``failure`` is the reason why simulated values are missing.
     """
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
@@ -204,14 +206,16 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
 
 
 FIRST = ("tip_speed_at_contact", "normal_final_impulse", "lag_deg_at_contact")
-"""Quantities that are described first."""
+"""Quantities that an answer describes first."""
 
-NAMED = 3  # largest number of quantities, and of reasons, in an answer
+NAMED = 3  # largest number of quantities in an answer, and of reasons for missing results
 
 
 def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
-    """Return a sweep's answer in words: how the first few chosen quantities change, where the
-    outcome changes, why some points have no results, and how far the simulation agrees.
+    """Return the result of a sweep in words.
+
+    The text states how the first few chosen quantities change, where the outcome changes, why
+    points have no results, and how well simulations agree.
     """
     over = " and ".join(
         f"{key} from {axis.in_words(axis.values[0])} to {axis.in_words(axis.values[-1])}"
@@ -232,10 +236,12 @@ def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
 
 
 def _change(quantity: Series, axes: Sequence[Series]) -> str:
-    """Return in words how a quantity changes: over two parameters, between which values it lies;
-    along one, whether it is constant, rises, falls, or has extremes in between.
+    """Return a phrase on how a quantity changes with the parameters.
 
-    A negative quantity "changes", because its magnitude does the opposite.
+    With two parameters it states the lowest and the highest value. With one parameter it states
+    whether the quantity is constant, rises, falls, or has its extremes in between. Negative values
+    that become more positive or more negative "change", because "rise" and "fall" might be read as
+    statements on their magnitude.
     """
     places = np.flatnonzero(np.isfinite(quantity.values))
     values = quantity.values.ravel()[places]
@@ -258,8 +264,10 @@ def _change(quantity: Series, axes: Sequence[Series]) -> str:
 
 
 def _outcomes(outcome: NDArray[Any], axes: Sequence[Series]) -> str:
-    """Return the outcomes in words: along one parameter, the values at which the outcome changes;
-    over two parameters, the fraction of points with each outcome.
+    """Return a phrase on the outcomes of the passes.
+
+    With one parameter it states the values at which the outcome changes, with two parameters the
+    percentage of points with each outcome.
     """
     if len(axes) > 1:
         kinds, numbers = np.unique(outcome, return_counts=True)
@@ -276,7 +284,7 @@ def _outcomes(outcome: NDArray[Any], axes: Sequence[Series]) -> str:
 
 
 def constants_in_words(found: Swept) -> list[str]:
-    """Return a phrase for each quantity that is constant over the points, with its value."""
+    """Return a phrase with name and value for each quantity that is the same at all points."""
     return [
         f"{each.label} {each.in_words(each.values[np.isfinite(each.values)][0], 5)}"
         for each in found.quantities.values()

@@ -27,20 +27,21 @@ IMPACT = {
     "final_bristle_rate": ("bristle's rate after the strike", "rad/s"),
     "rebound_ratio": ("rate after the strike over before", "1"),
 }
-"""Impulses, works and rates of a strike: label and unit of each quantity."""
+"""Impulses, works and angular velocities of a strike: label and unit of each quantity."""
 
 RADIAL = 0.005
-"""Largest lag, deg, at which a sentence calls the bristle radial: half a unit of the last digit shown."""
+"""Largest lag (deg) at which a sentence calls the bristle radial: half a unit of the last digit
+shown."""
 
 
 def state_at_strike(
     tool: Tool, run: Trajectory, contact: ContactRecord | None
 ) -> dict[str, float | None]:
-    """Return lag, relative rate and tip speed at the strike, in the units of STATE; they are None
-    without a contact.
+    """Return lag, relative angular velocity and tip speed at a strike, by name.
 
-    The links of a wire that bends vibrate. Its lag and rate are therefore those of the straight
-    line from root to tip.
+    STATE has the names and units. The values are None without a contact. The links of a wire that
+    bends vibrate; its lag and angular velocity are therefore those of the straight line from root
+    to tip.
     """
     if contact is None:
         return dict.fromkeys(STATE)
@@ -72,8 +73,9 @@ def beside_radial(lag: float) -> str:
 
 
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
-    """Return impulses, works and rates of a contact, in the units of IMPACT; a quantity that the
-    contact law does not give is None.
+    """Return impulses, works and angular velocities of a contact, by name.
+
+    IMPACT has the names and units. A quantity is None if the contact law does not compute it.
     """
     if contact is None:
         return dict.fromkeys(IMPACT)
@@ -93,10 +95,10 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
 
 
 def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
-    """Return the outcome of a contact as fields of a report: the outcome's name, its words in
-    sentences, and the phases of the contact.
+    """Return the fields of a report on the outcome of a contact.
 
-    A jam is reported as ``stiction``.
+    They are the outcome's name, the outcome in words, and the phases of the contact. A jam has the
+    name ``stiction``.
     """
     if contact is None:
         return {"outcome": "no contact", "outcome_in_words": "does not strike"}
@@ -113,11 +115,10 @@ friction changes the impulse by about 10 %."""
 
 
 def impulse_caution(contact: ContactRecord, bends_at_once: bool = False) -> str:
-    """Return a warning clause, with the remedy, if a strike's impulse cannot be trusted; empty if
-    it can.
+    """Return a warning clause if the impulse of a strike is unreliable; empty otherwise.
 
-    ``bends_at_once``: whether a wire of several links strikes in an instant. The impulse of that
-    model goes to zero as the number of links grows.
+    The clause names a remedy. ``bends_at_once`` states that a wire of several links strikes in an
+    instant. In this model the impulse goes to zero as the number of links grows.
     """
     if bends_at_once:
         return (

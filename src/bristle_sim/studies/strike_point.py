@@ -31,25 +31,25 @@ STRIKE_UNITS = {
     },
     "crater_depth": "m",
 }
-"""Unit of each measure of a cued strike."""
+"""Unit of each measure of a strike after the bristle has left the bar."""
 
 
 class NotCuedError(ValueError):
-    """Raised for a pass without a cued strike: the bristle must touch the bar, leave it, and then
-    strike the workpart.
-    """
+    """Raised if the bristle does not touch the bar, leave it, and then strike the workpart."""
 
 
 def strike_of_keys(
     settings: Settings | None = None, tool: Tool | None = None, /, **values: float
 ) -> dict[str, float | None]:
     """Simulate a pass with some of the tool's parameters changed, and return the measures of its
-    strike, in the units of STRIKE_UNITS.
+    strike.
 
-    ``values`` are the changed parameters by name.
+    STRIKE_UNITS has the names and units of the measures. ``values`` are the changed parameters, by
+    name.
 
     Raises:
-        ValueError: if the run exceeds the step budget, or has no cued strike.
+        ValueError: if the run exceeds the step budget, or the bristle does not strike after leaving
+            the bar.
     """
     settings = settings or Settings()
     tool = (tool or Tool()).replace(**values)
@@ -59,11 +59,12 @@ def strike_of_keys(
 
 
 def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, NDArray[Any]]:
-    """Return the measures of the strikes of many tools, in the units of STRIKE_UNITS.
+    """Return the measures of the strikes of many tools, by name.
 
-    The tools differ in ``values``, arrays of parameters by name. They are computed in arrays where
-    that is possible, otherwise simulated one at a time. Without a cued strike the measures are NaN,
-    and ``failure`` has the reason.
+    STRIKE_UNITS has the names and units of the measures. ``values`` are arrays of the parameters in
+    which the tools differ, by name. The strikes are computed as arrays if the bristle is straight
+    and rigid and the law is energetic; otherwise they are simulated one by one. If a bristle does
+    not strike after leaving the bar, its measures are NaN, and ``failure`` has the reason.
     """
     if unable(tool):
         found = evaluate_in_turn(partial(strike_of_keys, settings, tool), values)
@@ -87,7 +88,8 @@ def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
     """Simulate a pass with the given bar, and return the lag and the relative speed at its strike.
 
-    Without a cued strike they are None, and ``no_strike`` is the reason.
+    They are None if the bristle does not strike after leaving the bar. ``no_strike`` is then the
+    reason.
     """
     direction = math.degrees(math.atan2(bar.horizontal, bar.vertical))
     row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": direction}
@@ -101,10 +103,12 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the measures of a cued strike; a measure that is not known is None.
+    """Return the measures of the first strike of a pass, by name.
+
+    STRIKE_UNITS has the names and units. A measure that the contact law does not compute is None.
 
     Raises:
-        NotCuedError: if the bristle does not strike, or has not touched the bar before, or still
+        NotCuedError: if the bristle does not strike, has not touched the bar before, or still
             touches it.
     """
     strike = run.first_contact("workpart")
@@ -122,10 +126,9 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> float | None:
-    """Return the depth of the crater that a contact cuts (m), along the tip's velocity before the
-    contact.
+    """Return the depth of the crater that a contact cuts (m), along the tip's velocity before it.
 
-    It is None if the tip cuts no chip, or the contact law gives no work.
+    The depth is None if the tip cuts no chip, or the contact law does not compute work.
     """
     if contact.compressive_work is None:
         return None
@@ -138,17 +141,16 @@ def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> 
 def crater_depth(
     lost: ArrayLike, friction: ArrayLike, entry: ArrayLike, wire_diameter: ArrayLike
 ) -> Array:
-    """Return the depth of a crater (m) whose chip takes the energy that the tip loses in
-    compression.
+    """Return the depth of a crater (m) that the tip's energy loss in compression can cut.
 
-    The tip is as wide as the wire. It cuts straight along its velocity into API 5L steel. The shear
-    plane ends at the real surface, inclined to the path (theory/crater_cutting.py). The depth is
-    NaN if no chip is cut: without friction, by a wire without thickness, or by a tip that does not
-    enter the workpart obliquely. The arguments broadcast.
+    The tip is as wide as the wire. It cuts along its velocity into API 5L steel. The shear plane
+    ends at the workpart's surface, which is inclined to the tip's path (theory/crater_cutting.py).
+    The depth is NaN if no chip is cut: without friction, by a wire without thickness, or by a tip
+    that does not enter the workpart obliquely. The arguments broadcast.
 
     Args:
         lost: energy that the tip loses in compression, J.
-        friction: friction between chip and tip.
+        friction: coefficient of friction between chip and tip.
         entry: angle between the tip's velocity and the surface, rad.
         wire_diameter: diameter of the wire, m.
     """
@@ -157,7 +159,8 @@ def crater_depth(
     energy, rubbing, angle, width = (each[cuts] for each in given)
     specific = specific_cutting_energy(rubbing, angle, API_5L, "inclined")
     found = np.full(cuts.shape, math.nan)
-    # Craters of wires of different thickness are similar: the volume goes with the cube of the size.
+    # Craters of wires of different thickness are similar: the volume goes with the cube of the
+    # size.
     size = width / PRINTED_FACE.short_axis
     found[cuts] = size * depth_from_energy(np.maximum(0.0, energy) / size**3, specific, angle)
     return found

@@ -35,7 +35,7 @@ MEASURED_RZ = (62e-6, 83e-6)  # mean Rz on corroded API 5L, m (Stango and Khulla
 # Length of the tip's path and width of the crater, m (Zhang 2020, figs. 4.3, 4.6)
 MEASURED_LENGTH = 3.25e-4
 MEASURED_WIDTH = 6.51e-4
-LONG_CUTOFF = 2.5e-3  # cut-off wavelength, m: the next one above 0.8 mm in ISO 21920-3
+LONG_CUTOFF = 2.5e-3  # cut-off wavelength, m; ISO 21920-3 has it as the next above 0.8 mm
 
 UNITS = {
     "rz": ("Rz along the slide", "m"),
@@ -159,7 +159,15 @@ def surface(
 def blasted_surface(
     tool: Tool, crater: Crater | None, blasting: Blasting, settings: Settings
 ) -> BlastedSurface:
-    """Return the surface that a tool makes; the arguments are those of ``surface``."""
+    """Compute a part of the surface that a tool makes.
+
+    Args:
+        tool: the tool.
+        crater: speed and angle of the strike, and the cutting properties; None for those of the
+            tool's pass and of the dissertation.
+        blasting: parameters of the track and the ground.
+        settings: accuracy of the simulated contact.
+    """
     body = first_crater(tool, crater, blasting, settings)
     blasting.check_crater("crater_length", body.length)
     blasting.check_crater("crater_width", body.width)
@@ -173,10 +181,11 @@ def blasted_surface(
 def first_crater(
     tool: Tool, crater: Crater | None, blasting: Blasting, settings: Settings
 ) -> CraterBody:
-    """Return the shape of the first crater.
+    """Return the shape of the first crater, which is cut into a plane.
 
     It is the volume that the tip sweeps. If a size of the crater is given, it is a paraboloid
-    instead; sizes that are not given are those of the swept volume.
+    instead, whose other sizes are those of the swept volume. The arguments are those of
+    :func:`blasted_surface`.
 
     Raises:
         ValueError: if the tool has no strike that cuts.
@@ -192,8 +201,12 @@ def first_crater(
 
 
 def _own_strike(tool: Tool) -> Crater:
-    """Return the speed and angle of the strike in the tool's pass, with the dissertation's cutting
-    properties.
+    """Return the crater parameters for the strike in the tool's pass.
+
+    Speed and angle are those of the strike, the cutting properties those of the dissertation.
+
+    Raises:
+        ValueError: if the tool does not strike the workpart.
     """
     found = ensemble(tool, accuracy=1e-6)
     speed = float(found.tip_speed_at_contact)
@@ -207,9 +220,13 @@ def _own_strike(tool: Tool) -> Crater:
 
 
 def _measured(found: Blasted, blasting: Blasting, body: CraterBody, rate: float) -> BlastedSurface:
-    """Return the blasted surface with its roughness, coverage, removed volume and area rate.
+    """Compute roughness, coverage, removed volume and area rate of a blasted ground.
 
-    ``rate`` is the number of strikes that the tool makes per second.
+    Args:
+        found: the ground after the strikes.
+        blasting: parameters of the track and the ground.
+        body: shape of the first crater.
+        rate: number of strikes of the tool per second.
     """
     ground = found.ground
     depths = found.depths
@@ -308,16 +325,17 @@ def surface_study(
 
 
 def height_lines(made: BlastedSurface) -> str:
-    """Return the heights as text in the format .xyz: one line for each cell with x, y and height,
-    m.
-    """
+    """Return the heights in the text format .xyz: a line with x, y and height (m) for each cell."""
     text = io.StringIO()
     np.savetxt(text, np.column_stack([*height_columns(made).values()]), fmt="%.9g")
     return text.getvalue().removesuffix("\n")
 
 
 def height_columns(made: BlastedSurface) -> dict[str, Array]:
-    """Return x, y and height of every cell (m) as columns by name, in rows along the slide."""
+    """Return the columns x, y and height (m) of all cells, by name.
+
+    Consecutive cells follow each other along the slide.
+    """
     across, along = np.indices(made.heights.shape)
     cell = made.blasting.cell
     columns = (cell / CELLS_ALONG * along, cell * across, made.heights)

@@ -138,9 +138,10 @@ def _check(
 
 
 def _grid(space: Mapping[str, Any]) -> xr.Dataset:
-    """Return the parameters of a sweep as coordinates of a Dataset, which span the grid of points.
+    """Return the grid of a sweep's points as the coordinates of a Dataset.
 
-    A list that mixes numbers and words keeps their types, unlike a NumPy array.
+    ``space`` holds the parameters, as for :func:`sweep`. A list that mixes numbers and words keeps
+    their types, unlike a NumPy array.
     """
 
     def typed(values: Any) -> Any:
@@ -171,9 +172,9 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
-    """Yield the indices ``numbers`` of points of the grid with the arguments of these points.
+    """Yield some points of the grid, each with its index and its arguments.
 
-    The points are numbered with the last dimension varying fastest.
+    ``numbers`` are the indices. The last dimension of the grid varies fastest.
     """
     columns = {
         str(name): each.variable.set_dims(dict(grid.sizes)).values

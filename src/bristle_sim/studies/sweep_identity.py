@@ -25,16 +25,19 @@ INSTALLED = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "pl
 
 
 def name_of(function: Any) -> str:
-    """Return a function's module and name; for ``functools.partial``, the module and name of the
-    wrapped function.
+    """Return the module and name of a function.
+
+    For ``functools.partial`` they are those of the wrapped function.
     """
     inner = function.func if isinstance(function, functools.partial) else function
     return f"{getattr(inner, '__module__', '')}.{getattr(inner, '__qualname__', type(inner).__qualname__)}"
 
 
 def identity_of(function: Callable[..., Any], version: str = "") -> str:
-    """Return the digest of a function, the values bound to it, this package, its libraries and the
-    user's version.
+    """Return a digest that changes whenever a function's results may change.
+
+    It covers the function's source, the values bound to it, this package, the versions of NumPy,
+    pymunk and SciPy, and the user's ``version``.
 
     Raises:
         ValueError: if no version is given and the function has no source text, or is bound to an
@@ -51,10 +54,9 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
 
 
 class _Hasher(NumpyHasher):  # type: ignore[misc]
-    """Hash of Python values in which a function or a class is replaced by its name and source text.
+    """Hash of Python values, in which the source text stands for a function or a class.
 
-    Functions and classes of installed packages are replaced by their name and the package's
-    version.
+    For functions and classes of installed packages, the name and the package's version stand.
     """
 
     def __init__(self, version: str) -> None:
@@ -63,10 +65,10 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         self.digest = functools.cache(_folder_digest)
 
     def reducer_override(self, value: Any) -> Any:
-        """Return the substitute that pickle writes for a value, with all parts that the hash must
-        cover.
+        """Return the substitute that pickle writes for a function, class, frozen set or cache.
 
-        The parts are the state of an empty tuple, since they may refer back to the value.
+        The substitute has all data that the hash must cover. Pickle receives them as the state of
+        an empty tuple. State may refer back to the value itself, as a recursive function does.
         """
         parts: Any
         if isinstance(value, FunctionType):
@@ -84,7 +86,10 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         return tuple, (), parts
 
     def save(self, value: Any) -> None:
-        """Write a value to the hash; one that pickle cannot save, such as a lock, by its name."""
+        """Add a value to the hash.
+
+        If pickle cannot save the value, for example a lock, its name is added instead.
+        """
         try:
             super().save(value)
         except (TypeError, PicklingError):
@@ -93,8 +98,10 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
             super().save(self.name_alone(value, words))
 
     def source(self, value: Any, file: str) -> Any:
-        """Return the name of a function or class, its position in the source text, and the text
-        with a digest of its package.
+        """Return the data that identify the source of a function or class.
+
+        They are its name, its position in the source file, the text of the file, and a digest of
+        its package. For an installed package they are module, name and the package's version.
         """
         module = sys.modules.get(value.__module__)
         package = (getattr(module, "__package__", "") or value.__module__).partition(".")[0]
@@ -109,10 +116,10 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         return value.__qualname__, place, text, [self.digest(Path(each)) for each in folders]
 
     def name_alone(self, value: Any, words: str) -> str:
-        """Return the name of a value, which identifies it if the user gives a version.
+        """Return the name of a value that cannot be hashed, if the user gives a version.
 
         Raises:
-            ValueError: with ``words``, if no version is given.
+            ValueError: with the message ``words``, if no version is given.
         """
         if not self.version:
             raise ValueError(words)

@@ -19,21 +19,22 @@ Outcome = tuple[
     dict[str, Array], str
 ]  # results of a point by name, and the reason why results are missing, or an empty text
 FAILURE = "failure"  # Name of the variable with the reason why a point lacks results
-# First words of the reason for failure of points that the next call on a store computes again
+# First words of the reason for failure of a point whose worker died. The next call with the same
+# store computes such points again.
 LOST = "lost with its worker"
 # Environment variables of the libraries that start threads of their own
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-# Time after which a worker returns the points that it has finished, s. If it is killed, the points
-# that it has not returned are lost.
+# Time after which a worker returns its finished points, s. If the worker is killed, points that it
+# has not returned are lost.
 TURN = 0.3
 
 
 def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
-    """Evaluate points for TURN seconds, at least one point, and return the outcomes of the finished
+    """Evaluate points until TURN seconds have passed, and return the outcomes of the finished
     points.
 
-    The points are pickled, since Dask would search a list of points for futures. The function
-    may be pickled too.
+    At least one point is evaluated. ``points`` are pickled, since Dask would search a list of
+    points for futures. ``function`` may be pickled too.
     """
     called = _unpickled(function) if isinstance(function, bytes) else function
     end = time.perf_counter() + TURN
@@ -46,14 +47,15 @@ def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
 
 
 def evaluate_in_turn(function: Function, values: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-    """Evaluate a function at every point of arrays of its arguments, one point after the other.
+    """Evaluate a function at every point of arrays, one point after the other.
 
     Args:
         function: function of keyword arguments that returns numbers by name.
-        values: arrays of the arguments, by name, that broadcast.
+        values: array of each argument, by name. The arrays broadcast.
 
     Returns:
-        The results by name, NaN where they are missing, and under ``failure`` the reasons.
+        Arrays of the results by name, NaN where they are missing. The array ``failure`` has the
+            reasons.
     """
     columns = np.broadcast_arrays(*values.values())
     shape = columns[0].shape
@@ -69,14 +71,17 @@ def evaluate_in_turn(function: Function, values: Mapping[str, Any]) -> dict[str,
 
 @functools.lru_cache(maxsize=1)
 def _unpickled(function: bytes) -> Any:
-    """Return the unpickled function of a sweep; a worker unpickles it once for all its batches."""
+    """Return the function of a sweep from its pickled form.
+
+    The last function is cached, so that a worker unpickles it only once.
+    """
     return pickle.loads(function)
 
 
 def outcome_of(function: Function, arguments: dict[str, Any]) -> Outcome:
-    """Return the results of a function, or the reason why it raised an error.
+    """Call a function, and return its results, or the reason why it raised an error.
 
-    The reason is the message of a ValueError; the message of another error follows its type.
+    The reason is the message of a ValueError. For other errors the type stands before the message.
     """
     try:
         result = function(**arguments)

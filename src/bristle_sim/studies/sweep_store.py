@@ -26,9 +26,10 @@ from zarr.codecs import Crc32cCodec, ZstdCodec
 from bristle_sim.files import complete_or_absent
 from bristle_sim.studies.sweep_point import FAILURE, LOST, Outcome, Point
 
-# Value of results that are not written yet or were lost: netCDF's fill value. xarray reads it as NaN.
+# Value that stands for a result that is not written yet or was lost. It is netCDF's fill value,
+# which xarray reads as NaN.
 UNWRITTEN = 9.969209968386869e36
-ABANDONED = 60.0  # Age at which a half-written file counts as left behind by a killed program, s
+ABANDONED = 60.0  # Age (s) at which an incomplete file counts as left behind by a killed program
 BLOCK = 4096  # Largest number of points in a chunk, which is one file
 GROUP = "zarr.json"  # Name of the file that describes a group or an array, in its folder
 
@@ -38,14 +39,14 @@ Shapes = Mapping[str, tuple[int, ...]]
 
 
 class Results:
-    """Results of a sweep: one array for each result, and one with the reasons of failures.
+    """Results of a sweep: one array for each result, and one array with the reasons of failures.
 
-    The first axes of every array are those of the grid. A point counts as not computed until its
-    reason, which may be empty, is written.
+    The first axes of every array are those of the grid of points. A point counts as computed when
+    its reason is written; the reason is empty for a success.
 
     Attributes:
         grid: coordinates of the points.
-        folder: folder that keeps the arrays; None keeps them in memory.
+        folder: folder in which the arrays are stored; None to keep them in memory.
         shapes: shape of each result at a single point, by name.
         arrays: the arrays, by name.
     """
@@ -68,8 +69,9 @@ class Results:
     def missing(self) -> NDArray[np.bool_]:
         """Return which points of the grid must be computed, as an array of booleans.
 
-        They are the points that are not computed yet, and those that were lost with their worker.
-        Points that were damaged or lost in the folder are logged too.
+        They are the points that have not been computed, those whose worker was lost, and those
+        whose stored data are damaged or absent. The number of points with damaged or absent data is
+        logged.
 
         Raises:
             OSError: if a file cannot be read.
@@ -103,11 +105,11 @@ class Results:
         return missing
 
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
-        """Write the results of some points, and then their reasons for failure.
+        """Write the results of some points, and after them the reasons of their failures.
 
         Raises:
-            ValueError: for a result with the name of a parameter, or with a name that is not
-                permitted for an array.
+            ValueError: if a result has the name of a parameter, or a name that an array must not
+                have.
         """
         numbers = np.array([number for (number, _), _ in outcomes])
         reasons = np.array([reason for _, (_, reason) in outcomes], dtype=object)
@@ -126,9 +128,10 @@ class Results:
         self._put(FAILURE, numbers, reasons)
 
     def dataset(self, units: Mapping[str, str]) -> xr.Dataset:
-        """Return the grid as a Dataset with the results, which xarray loads lazily without Dask.
+        """Return the results on the grid as a Dataset.
 
-        Its variables are in the order of their names, with the given units.
+        xarray reads the results when they are used, without Dask. The variables are sorted by name.
+        ``units`` are the units of variables, by name.
         """
         stored: xr.Dataset = xr.open_zarr(self._store, chunks=None, consolidated=False)
         text = stored[FAILURE].astype(object)  # versions of xarray differ in the type they read
@@ -152,11 +155,11 @@ class Results:
             self.arrays[name][...] = math.nan
 
     def _create(self, new: Shapes) -> None:
-        """Write the descriptions and coordinates that are absent or damaged, and open the arrays.
+        """Write the metadata files that are absent or damaged, and open the arrays.
 
         Raises:
-            OSError: if a file cannot be written. A folder that has all files is read all the same,
-                since a disk that is full or read-only may hold all points.
+            OSError: if a file cannot be written. An error is ignored if the file exists already,
+                since a folder on a full or read-only disk may hold all points.
         """
         self.shapes = dict(sorted({**self.shapes, **new}.items()))
         contents = self._contents()
@@ -179,10 +182,10 @@ class Results:
         self.arrays = {name: group[name] for name in (FAILURE, *self.shapes)}
 
     def _contents(self) -> dict[str, Any]:
-        """Return the contents of the descriptions and coordinates, by the name of their file.
+        """Return the contents of the metadata and coordinate files, by file name.
 
-        The chunks of results are not included. The descriptions of the folder and of the reasons
-        repeat the shapes of all results, with a checksum.
+        The results themselves are not included. The metadata of the folder and of the reasons both
+        have the shapes of all results, with a checksum.
         """
         contents = dict[str, Any]()
         memory = zarr.storage.MemoryStore(contents)
@@ -218,9 +221,10 @@ class Results:
         return contents
 
     def _put(self, name: str, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
-        """Write values of a result at points that are given by their indices in the grid.
+        """Write the values of a result at some points.
 
-        zarr replaces the chunks that hold these points.
+        ``numbers`` are the indices of the points in the grid. zarr rewrites all chunks that hold
+        these points.
         """
         array = self.arrays[name]
         inner = math.prod(values.shape[1:])
@@ -234,7 +238,8 @@ class Results:
 def _described(folder: Path) -> Shapes:
     """Return the shapes of the results that a folder already holds, by name.
 
-    Two files have them. If a program was killed while it added a result, one has more.
+    Two files hold the shapes. They differ if a program was killed while it added a result. The file
+    with more results is then right.
     """
     found: list[Shapes] = [{}]
     for path in (*folder.glob(GROUP), *folder.glob(f"{FAILURE}/{GROUP}")):
@@ -252,7 +257,9 @@ def _described(folder: Path) -> Shapes:
 
 
 def check_name(role: str, name: str) -> None:
-    """Check that an array in a folder may have a name; ``role`` describes it in the message.
+    """Check that a name is permitted for an array in a folder.
+
+    ``role`` describes the name in the message.
 
     Raises:
         ValueError: for a name that is empty, unprintable or reserved.

@@ -30,17 +30,21 @@ from bristle_sim.studies.sweep_point import (
 )
 
 LARGEST_BATCH = 4096  # Largest number of points that are sent to a worker at once
-WAITING = 2  # Number of batches sent for each worker, so that no worker waits for its next batch
-WITHOUT_WORKER = (
-    60.0  # Time without a finished batch after which a cluster is asked for its workers, s
+WAITING = (
+    2  # Number of batches in progress per worker; with two, no worker waits for its next batch
 )
-ATTEMPTS = 3  # Number of workers that a point alone in its batch must lose to count as the cause of the losses
+WITHOUT_WORKER = (
+    60.0  # Time without a finished batch after which the workers of a cluster are counted, s
+)
+# Number of workers that must be lost while they evaluate a point, alone in its batch, before the
+# point counts as the cause.
+ATTEMPTS = 3
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
 
 def evaluated(function: Function, points: Iterator[Point], workers: Any) -> Outcomes:
-    """Yield points with their outcomes as they are finished.
+    """Evaluate points, and yield each point with its outcome as soon as it is finished.
 
     Raises:
         ValueError: if the function cannot be pickled for the workers.
@@ -71,7 +75,7 @@ def evaluated(function: Function, points: Iterator[Point], workers: Any) -> Outc
 
 
 class _Processes(ProcessPoolExecutor):  # type: ignore[misc]
-    """Worker processes that a sweep starts; if one of them is killed, all are replaced."""
+    """Pool of worker processes; if one of them is killed, all are replaced."""
 
     def __init__(self, number: int) -> None:
         threads = str(max(1, (os.cpu_count() or 1) // number))
@@ -87,20 +91,20 @@ class _Processes(ProcessPoolExecutor):  # type: ignore[misc]
 
 
 def client_of(workers: Any) -> Any:
-    """Return the Dask client if ``workers`` is a client or the executor of a client, else None.
+    """Return the Dask client of ``workers``, which is a client or a client's executor; else None.
 
-    The client is called directly, since its executor may lose the results of a worker that dies.
+    The client is preferred to its executor, which may lose the results of a worker that dies.
     """
     client = getattr(workers, "_client", workers)
     return client if hasattr(client, "get_executor") and hasattr(client, "scheduler_info") else None
 
 
 class _Batches:
-    """Batches of points on their way through the workers.
+    """Batches of points that are sent to the workers.
 
     A batch is in progress, left over because its worker ran out of time, or suspected of having
-    killed its worker. Only one batch runs until a point has returned results. This point fixes the
-    shapes of the results, so they do not depend on which worker finishes first.
+    killed its worker. Batches are sent one at a time until a point has returned results. The first
+    results fix the shapes, which therefore do not depend on which worker finishes first.
     """
 
     def __init__(
@@ -140,7 +144,7 @@ class _Batches:
                 self.size = min(2 * len(outcomes), LARGEST_BATCH)
 
     def _next(self) -> list[Point]:
-        """Return the next batch to send; empty if none can be sent now.
+        """Return the next batch to send; it is empty if no batch can be sent yet.
 
         A suspected batch is sent only while no other batch is in progress.
         """
@@ -153,7 +157,10 @@ class _Batches:
         return list(itertools.islice(self.points, self.size))
 
     def _next_finished(self) -> Any:
-        """Wait for a batch and return its future; say so while a cluster has no worker."""
+        """Wait for a batch to finish, and return its future.
+
+        A warning is logged while a cluster has no worker.
+        """
         while True:
             try:
                 return self.finished.get(timeout=WITHOUT_WORKER)
@@ -163,13 +170,19 @@ class _Batches:
                     logging.getLogger(__name__).warning(words, self.executor, WITHOUT_WORKER)
 
     def _workers(self) -> int:
-        """Return the number of batches that run at the same time; a cluster's may change."""
+        """Return the number of batches that can run at the same time.
+
+        The number of a cluster may change.
+        """
         if client_of(self.executor):
             return sum(self.executor.ncores().values())
         return getattr(self.executor, "_max_workers", None) or os.cpu_count() or 1
 
     def _started(self, batch: list[Point]) -> Any:
-        """Return the future of a batch; if the workers refuse the batch, the future has the error."""
+        """Send a batch to the workers, and return its future.
+
+        If the workers refuse the batch, the future raises the error.
+        """
         try:
             return self.executor.submit(
                 evaluate_points, self.function, pickle.dumps(batch), **self.options
@@ -180,13 +193,13 @@ class _Batches:
             return refused
 
     def _lost(self, batch: list[Point], error: Exception) -> Iterator[tuple[Point, Outcome]]:
-        """Handle a batch that was lost with its worker.
+        """Handle a batch whose worker was lost.
 
-        Its points become suspects and are tried again, each alone. A point that has lost its worker
-        ATTEMPTS times alone counts as the cause and is yielded, with the reason.
+        Each point of the batch is tried again in a batch of its own. A point that alone has lost
+        ATTEMPTS workers counts as the cause of the losses. It is yielded with the reason.
 
         Raises:
-            RuntimeError: if the workers do not evaluate an empty batch either.
+            RuntimeError: if the workers cannot evaluate an empty batch either.
         """
         if len(batch) > 1:
             self.suspects.extend([point] for point in batch)

@@ -30,23 +30,22 @@ from bristle_sim.trajectory import ContactHistory
 
 Result = TypeVar("Result")
 
-# Relative difference from the requested values at which the adjustment ends, unless the requested
-# accuracy is coarser
+# Relative difference from the requested values at which the adjustment ends. The requested accuracy
+# replaces it if that is larger.
 REQUEST_TOLERANCE = 1e-6
-MOST_ROUNDS = 30  # largest number of iterations of the adjustment; five to ten are usual
+MOST_ROUNDS = 30  # largest number of iterations of the adjustment, which usually takes five to ten
 LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in an iteration
 PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
 
 
 def cubics(*samples: Array) -> PPoly:
-    """Return a piecewise cubic interpolant through samples.
+    """Return a piecewise cubic interpolant through samples of a function of time.
 
-    It is smooth except at instants that are sampled more than once, where it may jump. Without
-    slopes each smooth part is a cubic spline, with slopes a cubic Hermite spline.
+    The interpolant may jump at instants that are sampled more than once. Between them it is a cubic
+    spline, or a cubic Hermite spline if the slopes are given.
 
     Args:
-        samples: times, shape (n,), values, shape (n, ...), and slopes if they are known, shape
-            (n, ...).
+        samples: times, shape (n,); values, shape (n, ...); and, if known, slopes, shape (n, ...).
     """
     kind = CubicHermiteSpline if len(samples) > 2 else CubicSpline
     time = samples[0]
@@ -57,15 +56,17 @@ def cubics(*samples: Array) -> PPoly:
 
 
 def integral(time: Array, values: Array) -> Array:
-    """Return the integral of sampled values from the first instant to each, by cubic splines."""
+    """Return the integral of sampled values from the first sample to each sample.
+
+    The values are interpolated by cubic splines.
+    """
     return np.asarray(cubics(time, values).antiderivative()(time))
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """Return the index of the first sample of each smooth part of a record, and the index after its
-    last sample.
+    """Return the index ranges (first, last + 1) of the smooth parts of a record.
 
-    Smooth parts are separated by instants that are sampled twice, equal but for rounding error.
+    Smooth parts are separated by instants that are sampled twice, equal except for rounding error.
     """
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
@@ -79,9 +80,9 @@ def compression_end(history: ContactHistory) -> float:
 
 @dataclass(frozen=True)
 class TimedContact:
-    """A radial bristle's contact simulated over time.
+    """A radial bristle's contact, resolved in time.
 
-    Time series have one entry for each sample.
+    Its time series have one entry for each sample.
 
     Attributes:
         chain: the bristle before the contact.
@@ -93,7 +94,7 @@ class TimedContact:
 
     @property
     def history(self) -> ContactHistory:
-        """History of the contact over time."""
+        """Recorded time history of the contact."""
         assert self.strike.contact.history is not None
         return self.strike.contact.history
 
@@ -148,29 +149,35 @@ class TimedContact:
 
     @property
     def path(self) -> Array:
-        """Length of the tip's path since the first touch, m."""
+        """Length of the tip's path since the first touch at each sample, m."""
         return integral(self.time, np.abs(self._tip_velocity))
 
     @property
     def rate(self) -> Array:
-        """Absolute angular velocity of the bristle, rad/s."""
+        """Absolute angular velocity of the bristle at each sample, rad/s."""
         swing = self._tip_velocity - self._root_velocity
         forward = (swing * np.exp(-1j * self.chain.angles[0])).real
         return np.asarray(np.copysign(abs(swing), forward) / self.chain.lengths[0])
 
     @property
     def centre_speed(self) -> Array:
-        """Speed v_G of the bristle's centre, m/s."""
+        """Speed v_G of the bristle's centre at each sample, m/s."""
         return np.asarray(0.5 * abs(self._root_velocity + self._tip_velocity))
 
     @property
     def _tip_velocity(self) -> NDArray[np.complex128]:
-        """Velocity of the tip in the plane, m/s; the imaginary part is normal to the workpart."""
+        """Velocity of the tip at each sample, m/s.
+
+        The real part is along the workpart, the imaginary part normal to it.
+        """
         return self.history.tangential_velocity + 1j * self.history.normal_velocity
 
     @property
     def _root_velocity(self) -> NDArray[np.complex128]:
-        """Velocity of the bristle's root on the hub in the plane, m/s."""
+        """Velocity of the bristle's root on the hub at each sample, m/s.
+
+        The real part is along the workpart, the imaginary part normal to it.
+        """
         chain = self.chain
         angle = chain.hub_angle + chain.hub_speed * self.time
         return np.asarray(chain.hub_radius * chain.hub_speed * np.exp(1j * angle))
@@ -187,7 +194,7 @@ def timed_contact(
     rate: float | None = None,
     impulse: float | None = None,
 ) -> TimedContact:
-    """Simulate a strike whose contact has a requested compression time, and a requested rate or
+    """Simulate a strike with a requested compression time, and a requested angular velocity or
     impulse.
 
     Args:
@@ -196,7 +203,7 @@ def timed_contact(
         compression_time: time from the first touch to the deepest penetration, s.
         rate: angular velocity of the bristle before the strike, rad/s; give either ``rate`` or
             ``impulse``.
-        impulse: compressive impulse, N s.
+        impulse: impulse of the resultant force in compression, N s.
 
     Raises:
         ValueError: if no contact has the requested values.
@@ -211,8 +218,11 @@ def timed_contact(
         speed = impulse / (math.hypot(1.0, surface.friction) * float(own))
 
     def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
-        """Simulate a contact of given duration and tip speed; return it with its compression time
-        and impulse.
+        """Simulate a contact of given duration (s) and tip speed (m/s).
+
+        Returns:
+            The contact.
+            Its compression time (s) and compressive impulse (N s).
         """
         if (
             not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length)
@@ -247,19 +257,18 @@ def timed_contact(
 def contact_fields(contact: TimedContact, **later: float) -> dict[str, Any]:
     """Return the fields of a report on a contact.
 
-    ``later`` holds further events with their times, s.
+    ``later`` holds times of further events (s), by name.
     """
     events = {"strike": 0.0, "deepest": contact.compression_time} | later
     return record_fields(contact.strike, **events)
 
 
 def with_visible_contact(impacts: Impacts) -> Impacts:
-    """Return the impacts with a contact that lasts long enough to be seen in a film: the printed 50
-    us of compression.
+    """Return the impacts with a compliant contact that is long enough to be seen in a film.
 
-    A requested duration is kept. Otherwise the report's contact is so short that the rods are
-    practically at rest during it (the rigid-body limit). That contact is kept too if 50 us are too
-    short or too long for these rods.
+    Its compression lasts 50 us, as printed in the dissertation. It replaces a compliant contact
+    near the rigid-body limit, during which the rods hardly move. A contact of requested duration is
+    not replaced, nor any contact if 50 us are too short or too long for the rods.
     """
     found = impacts.strikes.get("compliant")
     if found is None or impacts.contact.duration is not None:
@@ -291,8 +300,13 @@ def _adjusted(
 ) -> Result:
     """Adjust the arguments of a simulation until its result has the wanted values.
 
-    The method is Broyden's, in the logarithms of arguments and values. ``struck`` simulates with
-    the arguments, first ``given``, and returns a result and its values.
+    The method is Broyden's, applied to the logarithms of arguments and values.
+
+    Args:
+        struck: simulation; it returns a result and the values to be adjusted.
+        given: first arguments of the simulation.
+        wanted: wanted values.
+        tolerance: largest relative deviation from the wanted values.
 
     Raises:
         ValueError: if the values are not reached in MOST_ROUNDS iterations.

@@ -47,26 +47,26 @@ OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_wor
 
 # The two percentiles between which an output lies with a probability of 95 %
 ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
-# Number of sequences with independent scramblings. The interval of their mean is then a seventh
-# wider than if their scatter were known exactly.
+# Number of independently scrambled sequences. Student's t makes the confidence interval of their mean
+# 9 % wider than it would be if the variance were known exactly.
 SEQUENCES = 16
-# Number of passes of one call. Their arrays stay in the processor's cache; twice as many passes
-# take a fifth longer each.
+# Number of passes that are computed in one call. Their arrays fit into the processor's cache. In
+# calls of twice this size each pass takes a fifth longer.
 BATCH = 8192
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Sobol indices of the outputs of a function, with the sampled outputs.
+    """Sobol indices of a function's outputs, with the sampled outputs.
 
     Attributes:
         inputs: names of the inputs.
         outputs: names of the outputs.
-        values: outputs at the points of sample A, then of sample B, shape (outputs, 2 n) with n
-            points in each sample.
-        first_order, total: first-order and total indices, shape (outputs, inputs).
-        first_order_interval, total_interval: ends of their 95 % intervals, shape (outputs, inputs,
-            2).
+        values: outputs at the n points of sample A, followed by those of sample B, shape (outputs,
+            2 n).
+        first_order, total: first-order and total Sobol indices, shape (outputs, inputs).
+        first_order_interval, total_interval: bounds of their 95 % confidence intervals, shape
+            (outputs, inputs, 2).
     """
 
     inputs: tuple[str, ...]
@@ -78,10 +78,10 @@ class Study:
     total_interval: Array
 
     def rows(self, changes: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
-        """Return one row of plain numbers for each output: mean, standard deviation, 95 % range and
-        indices.
+        """Return one dictionary for each output: mean, standard deviation, 95 % range and indices.
 
-        ``changes`` are the effects of each input on each output, by first-order error propagation.
+        ``changes`` are the effects of each input on each output by first-order error propagation,
+        as returned by :func:`propagated`.
         """
         names = ("first_order", "first_order_interval", "total", "total_interval")
         found = []
@@ -107,11 +107,12 @@ class Study:
 
 
 def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
-    """Spread the inputs of a pass, and report how much the strike spreads and which inputs cause
-    it.
+    """Vary the inputs of a pass randomly, and report how much the strike varies and which inputs
+    cause it.
 
     Raises:
-        ValueError: if for some values in the intervals there is no cued strike.
+        ValueError: if for some inputs in the intervals the bristle does not strike after leaving
+            the bar.
     """
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
@@ -144,8 +145,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return in words which input matters most for each measure of the strike, and how much the
-    measures spread.
+    """Return in words how much each measure of the strike varies, and which input matters most for
+    it.
     """
     measures = STATE | IMPACT
     leading = dict[str, list[str]]()
@@ -163,12 +164,12 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
 def propagated(
     function: Callable[..., Measures], intervals: Mapping[str, tuple[float, float]]
 ) -> dict[str, dict[str, float]]:
-    """Return the effect of each input on each output: half the change of the output from one end of
-    the input's interval to the other.
+    """Return the effect of each input on each output, by name of the output and of the input.
 
-    The other inputs are in the middle of their intervals. For small half-widths h_i the result is
-    dy/dx_i h_i; uniformly distributed inputs then give the standard deviation sqrt(sum (.)^2/3). An
-    output without a value is left out.
+    The effect is half the change of the output y between both bounds of the input's interval. The
+    other inputs are in the middle of their intervals. For a small half-width h_i the effect is h_i
+    dy/dx_i. The standard deviation of y for uniformly distributed inputs is then the square root of
+    a third of the sum of the squared effects. An output without a value is left out.
     """
     shape = (len(intervals), 2)
     points = {key: np.full(shape, 0.5 * sum(ends)) for key, ends in intervals.items()}
@@ -183,7 +184,10 @@ def propagated(
 
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
-    """Return the ends of every input's interval, limited to the range that the input may have."""
+    """Return the lower and upper bound of each input, by name.
+
+    The bounds do not exceed the permitted range of the input.
+    """
     found = {}
     for key, half_width in dataclasses.asdict(spreads).items():
         if half_width:
@@ -263,8 +267,9 @@ def sobol_study(
     values = values.reshape(len(outputs), inputs + 2, samples)
 
     def indices(chosen: slice) -> Array:
-        """Return first-order and total indices from some points of each sample, shape (2, outputs,
-        inputs).
+        """Return first-order and total Sobol indices, shape (2, outputs, inputs).
+
+        ``chosen`` selects the points of each sample from which they are estimated.
         """
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
@@ -283,7 +288,7 @@ def _require_results(found: Measures, inputs: Mapping[str, Array], outputs: Sequ
     """Check that every point has results.
 
     Raises:
-        ValueError: if some points have no result; the message has the reason at one of them.
+        ValueError: if points have no result. The message has the reason at one of them.
     """
     lost = ~np.all([np.isfinite(found[name]) for name in outputs], axis=0)
     if not lost.any():

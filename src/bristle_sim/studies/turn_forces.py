@@ -35,14 +35,16 @@ its error for a cubic times exp(p t) is rounding error."""
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """A force of an obstacle on the bristle: an impact, or a sustained contact.
+    """The force of an obstacle on the bristle in an impact or in a sustained contact.
 
     Attributes:
         obstacle: name of the obstacle.
-        edges: ascending instants (s) between which the force is smooth; a single one for an impact.
-        integral: impulses of the normal and the tangential force (N s) and time integral of their
-            moment, N m s.
-        course: normal force over time, N; None for an impact.
+        edges: ascending instants between which the force is smooth, s. An impact has a single
+            instant.
+        integral: time integrals of the normal force (N s), of the tangential force (N s), and of
+            their moment about the hub's centre (N m s).
+        course: function that returns the normal force (N) at given instants (s); None for an
+            impact.
     """
 
     obstacle: str
@@ -54,13 +56,13 @@ class Force:
 def load_cell_response(
     forces: Iterable[Force], period: float, bandwidth: float, times: Array
 ) -> Array:
-    """Return the normal force that a load cell shows at given times (N), if the forces repeat
-    periodically.
+    """Return the normal force that a load cell shows at given times, N.
 
-    An impact of impulse J contributes J h(tau + k T) for k = 0, 1, ..., where tau is the time since
-    its last repetition and T the period. The sum is a geometric series in exp(p T), where p is the
-    filter's pole. A sustained force is divided into parts shorter than half a period and 1/|p|;
-    each part is integrated with exp(p t).
+    The forces repeat periodically. h(t) is the load cell's response to a unit impulse, and p the
+    pole of its filter. An impact of impulse J contributes J h(tau + k T) for k = 0, 1, ..., where
+    tau is the time since its latest repetition and T the period. The sum over k is a geometric
+    series in exp(p T). A sustained force is divided into intervals that are shorter than T/2 and
+    1/|p|. In each interval the force is integrated with the weight exp(p t).
 
     Args:
         forces: forces within one period.
@@ -96,10 +98,13 @@ def load_cell_response(
 def _weighed(
     course: Callable[[Array], Array], start: float, length: Array, pole: complex
 ) -> NDArray[np.complex128]:
-    """Return the integral of exp(p (end - t)) F(t), the normal force weighted with the decay until
-    the end.
+    """Return the integral of exp(p (t_1 - t)) F(t) over each interval from t_0 to t_1, N s.
 
-    The intervals begin at ``start`` and have the given lengths; p is the filter's pole.
+    Args:
+        course: function that returns the normal force F (N) at given instants (s).
+        start: common start t_0 of the intervals, s.
+        length: lengths t_1 - t_0 of the intervals, s.
+        pole: pole p of the load cell's filter, 1/s.
     """
     offset = 0.5 * length[:, np.newaxis] * (1.0 + NODES)
     values = course(start + offset)
@@ -113,7 +118,7 @@ def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
     motion = Interpolation(run, run.contacts)
 
     def normal_force(time: Array) -> Array:
-        """Return the normal force of sustained contacts at instants, N."""
+        """Return the normal force of sustained contacts (N) at given instants (s)."""
         return motion.normal_force(time.ravel(), "before").reshape(time.shape)
 
     found = []
@@ -131,12 +136,11 @@ def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
 
 
 def dissipated(tool: Tool, run: Trajectory) -> float:
-    """Return the energy that impacts, friction and the belt's damping dissipate in one revolution,
-    J.
+    """Return the energy that impacts, friction and belt damping dissipate in one revolution, J.
 
-    The losses in impacts are those of the impact law. The work of friction in sustained contacts is
-    summed over the steps of the simulation. The work of damping is the integral of c alpha'^2, with
-    the belt's damping c and the relative angle alpha.
+    The loss in an impact is the work of its impulse. The work of friction in sustained contacts is
+    summed over the steps of the simulation. The work of damping is the time integral of c alpha'^2,
+    where c is the belt's damping coefficient and alpha the bristle's angle relative to the hub.
     """
     lost = -sum(sum(each.work or ()) for each in run.contacts)
     if tool.belt_damping:
@@ -146,11 +150,15 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
 
 
 def quadrature(time: Array) -> tuple[Array, Array]:
-    """Return instants between n samples (s) and the weights of an integral over time at them, both
-    of shape (n - 1, 2).
+    """Return the nodes and weights of a time integral between samples.
 
-    It is the Gauss-Legendre rule of fourth order. Samples h rad of the oscillation apart have a
-    relative error of h^4/4320: 1e-11 with 400 samples in a period.
+    The rule is the two-point Gauss-Legendre rule, of fourth order. Its relative error is h^4/4320,
+    where h is the phase of the oscillation between samples, rad: 1e-11 with 400 samples in a
+    period.
+
+    Returns:
+        The nodes (s), shape (n - 1, 2) for n samples.
+        The weights (s), of the same shape.
     """
     step = np.diff(time)[:, np.newaxis]
     places = 0.5 + np.array([-0.5, 0.5]) / math.sqrt(3.0)
@@ -160,11 +168,14 @@ def quadrature(time: Array) -> tuple[Array, Array]:
 def _sustained(
     tool: Tool, motion: Interpolation, contact: ContactRecord
 ) -> tuple[tuple[float, ...], float]:
-    """Return the instants (s) at which the force of a sustained contact may jump, and the time
-    integral of the force's moment about the hub's axis, N m s.
+    """Return the instants at which a sustained force may jump, and the integral of its moment.
 
     The force jumps when slip reverses, and when the wire's end slides onto the bar. At these
     instants the run has two samples, one before and one after the jump.
+
+    Returns:
+        The instants, s.
+        The time integral of the moment about the hub's axis, N m s.
     """
     ends = (contact.time, contact.time + contact.duration)
     first, last = (int(abs(motion.run.time - each).argmin()) for each in ends)

@@ -75,11 +75,11 @@ class WholePass:
 
 
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
-    """Simulate a pass and compare it with the dissertation's formulas.
+    """Simulate a pass, and compare it with the dissertation's formulas.
 
     Raises:
-        ValueError: if the bristle overlaps an obstacle at the start, or the run is given up before
-            its strike.
+        ValueError: if the bristle overlaps an obstacle at the start, or the solver gives up before
+            the strike.
     """
     run = simulate(tool, settings)
     reference = None
@@ -141,8 +141,10 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
 
 def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, float]:
-    """Return the tolerances of the quantities that the reference solution gives, from the errors of
-    both motions.
+    """Return the accepted relative differences from the reference solution, by name.
+
+    They follow from the errors of both motions. ``referred`` are the quantities by the reference
+    solution; those that are None have no tolerance.
     """
     within = {}
     for name, value in referred.items():
@@ -191,9 +193,10 @@ def _why_not(tool: Tool, run: Trajectory) -> str:
 
 
 def measures_of(tool: Tool, run: Trajectory) -> Values:
-    """Return the quantities of a pass; the quantities of an event that did not happen are None.
+    """Return the quantities of a pass, by name.
 
-    Extremes are taken over the samples, and so are states at an event.
+    A quantity is None if its event did not happen. Extremes, and states at an event, are values at
+    samples.
     """
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
@@ -217,8 +220,9 @@ def measures_of(tool: Tool, run: Trajectory) -> Values:
 
 
 def _formulas(tool: Tool) -> Values:
-    """Return the quantities by the dissertation's formulas for this tool; empty if the formulas do
-    not apply to it.
+    """Return the quantities of a pass by the dissertation's formulas, by name.
+
+    The mapping is empty if the formulas do not apply to the tool.
     """
     bristle = tool.bristle
     hub = tool.hub
@@ -260,8 +264,9 @@ def _formulas(tool: Tool) -> Values:
 
 
 def run_fields(run: Trajectory) -> dict[str, Any]:
-    """Return the fields of a report that describe a run: its events, its cost, and the reason if it
-    has missed the requested accuracy.
+    """Return the fields of a report on a run.
+
+    They are its events, its cost, and the reason if it has not reached the requested accuracy.
     """
     return {
         "not_reached": run.accuracy_not_reached,
@@ -274,7 +279,7 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
 def record_fields(struck: ChainStrike, **events: float) -> dict[str, Any]:
     """Return the fields of a report on a single contact: outcome, phases, cost, and events.
 
-    ``events`` are times by name, s.
+    ``events`` are times of events (s), by name.
     """
     return {
         **outcome_fields(struck.contact),
@@ -285,8 +290,10 @@ def record_fields(struck: ChainStrike, **events: float) -> dict[str, Any]:
 
 
 def stop_fields(run: Trajectory) -> dict[str, Any]:
-    """Return the JSON fields that tell how a run ended: the reason, the time, s, and advice on how to
-    make the run go on.
+    """Return the fields of the JSON output on how a run ended.
+
+    They are the reason, the time (s), whether the run is complete, and advice on how to continue
+    it.
     """
     return {
         "reason": str(run.stop_reason),
@@ -297,17 +304,18 @@ def stop_fields(run: Trajectory) -> dict[str, Any]:
 
 
 def reference_accuracy(settings: Settings) -> float:
-    """Return the accuracy of the independent reference solution: a tenth of the simulation's, but
-    1e-10 at best.
+    """Return the accuracy requested of the independent reference solution.
+
+    It is a tenth of the simulation's accuracy, but not less than 1e-10.
     """
     return max(1e-10, 0.1 * settings.accuracy)
 
 
 def require_rigid(tool: Tool) -> None:
-    """Check that the wire is rigid; the lag and speed of a wire that bends vibrate.
+    """Check that the wire is rigid.
 
     Raises:
-        ValueError: for a wire of several links.
+        ValueError: for a wire of several links, whose vibration makes lag and speed ambiguous.
     """
     if tool.bristle.links > 1:
         raise ValueError(
@@ -316,14 +324,14 @@ def require_rigid(tool: Tool) -> None:
 
 
 class GivenUpError(ValueError):
-    """Raised for a run that the solver gave up; the further motion is unknown."""
+    """Raised if the solver gave up a run, so that the further motion is unknown."""
 
 
 def require_result(run: Trajectory, settings: Settings) -> None:
-    """Check that a run was not given up.
+    """Check that the solver did not give up a run.
 
     Raises:
-        GivenUpError: if it was given up.
+        GivenUpError: if the solver gave up.
     """
     if run.stop_reason.gives_up:
         raise GivenUpError(

@@ -27,16 +27,18 @@ from bristle_sim.studies.whole_pass import require_result, require_rigid, run_fi
 from bristle_sim.theory.cueing import field_stiffness
 from bristle_sim.trajectory import Trajectory
 
-# Largest number of simulated revolutions. In flight the swing decays by exp(-2 pi zeta) in a period.
+# Largest number of simulated revolutions. In flight the amplitude of the bristle decays by the
+# factor exp(-2 pi zeta) in a period, with the damping ratio zeta of the belt.
 MOST_TURNS = 24
-# Largest change of the state, rad, over a revolution that counts as repeating the one before. The
-# state is the angle, and the rate divided by the natural angular frequency.
+# Largest change of the state in a revolution that counts as repeating the preceding one, rad. The
+# state is the bristle's angle relative to the hub, and its angular velocity divided by its natural
+# angular frequency.
 REPEATED = 1e-9
-# Ratio of the error of a revolution to the requested accuracy: some ten flights and contacts, each
-# with an error of ten times the accuracy
+# Error of a revolution, divided by the requested accuracy. A revolution has some ten flights and
+# contacts, each with an error of ten times the accuracy.
 MAGNIFIED = 100.0
-# Smallest relative tolerance. Splines through 150, 300 and 600 samples a period integrate the forces
-# with measured errors of 1e-6, 6e-8 and 4e-9.
+# Smallest relative tolerance. Splines through 150, 300 and 600 samples a period integrate the
+# forces with measured errors of 1e-6, 6e-8 and 4e-9.
 LEAST_TOLERANCE = 1e-6
 SAMPLES_PER_PERIOD = (
     400  # number of samples in a period of the bristle on its belt, for the splines
@@ -59,7 +61,7 @@ UNITS = {
 
 
 class TurnNotCompleted(ValueError):
-    """Raised if a bristle jams, or lies down on the hub, before it completes a revolution.
+    """Raised if a bristle jams, or lies down on the hub, before the hub completes a revolution.
 
     The message states the instant and the reason.
     """
@@ -70,12 +72,12 @@ class PeriodicTurn:
     """The revolutions over which forces are averaged.
 
     Attributes:
-        runs: motion in the last revolution, if it repeats the revolution before; otherwise motions
-            in the later half of all revolutions. Each run starts in the state at the end of the run
-            before.
-        changes: change of the state over each simulated revolution, rad. The first revolution
-            starts with the bristle radial and at rest relative to the hub.
-        repeats: whether the last revolution repeats the revolution before.
+        runs: motion in the last revolution, if it repeats the preceding one; otherwise motions in
+            the second half of all revolutions. Each revolution starts from the final state of the
+            preceding one.
+        changes: change of the bristle's state in each simulated revolution, rad. The first
+            revolution starts with the bristle radial and at rest relative to the hub.
+        repeats: whether the last revolution repeats the preceding one.
     """
 
     runs: tuple[Trajectory, ...]
@@ -84,9 +86,9 @@ class PeriodicTurn:
 
 
 def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
-    """Simulate revolutions of the hub until one repeats the revolution before.
+    """Simulate revolutions of the hub until one repeats the preceding one.
 
-    ``settings.hub_turn`` is ignored.
+    ``settings.hub_turn`` is ignored. The number of revolutions is limited to MOST_TURNS.
 
     Raises:
         TurnNotCompleted: if the bristle jams or lies down on the hub.
@@ -125,10 +127,10 @@ class WholeTool:
     """Results of the study of the whole tool.
 
     Attributes:
-        tool: the tool with one bristle.
+        tool: the tool with a single bristle.
         assembly: number of bristles, and bandwidth of the load cell.
         turn: the revolutions over which forces are averaged.
-        forces: forces on the bristle in each of these revolutions.
+        forces: forces on the single bristle in each of these revolutions.
     """
 
     tool: Tool
@@ -138,17 +140,16 @@ class WholeTool:
 
     @property
     def period(self) -> float:
-        """Time after which the next bristle follows, s."""
+        """Time between the strikes of consecutive bristles, s."""
         return 2.0 * math.pi / self.tool.hub.speed / self.assembly.bristles
 
 
 def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
-    """Sum the forces of all bristles, and compare torque and power with the energy that is
-    dissipated in a revolution.
+    """Sum the forces of all bristles, and compare the drive's power with the dissipated energy.
 
-    The forces act on the workpart: the normal force into it, the tangential force in the direction
-    in which the tips travel. The drive's torque includes the forces of the bar. The hand holds hub
-    and bar together, and bears the moment of the workpart's forces alone.
+    The reported forces act on the workpart: the normal force into it, the tangential force in the
+    direction in which the tips travel. The drive's torque includes the forces of the bar. The hand
+    holds hub and bar together. Its torque is therefore the moment of the workpart's forces alone.
 
     Raises:
         ValueError: if the hub is at rest, there is no workpart, the wire bends, or a run exceeds
@@ -197,11 +198,12 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
 
 
 def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
-    """Return the normal force that the load cell under the workpart shows, over the time between
-    two bristles.
+    """Return time and normal force of a load cell under the workpart, as columns by name.
+
+    They cover the time between the strikes of two consecutive bristles.
 
     Raises:
-        ValueError: for a tool whose bristle completes no revolution.
+        ValueError: if the bristle completes no revolution.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")

@@ -14,21 +14,23 @@ from bristle_sim.parameters import ContactStiffness
 from bristle_sim.studies.flexible_wire import MEASURES, FlexibleStrike, measures, ratios
 
 STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: errors far below the width of a line
-# Contact stiffnesses of the figure, as durations of the rigid bristle's contact over the requested
-# duration
+# Durations of the rigid bristle's contact, divided by the requested duration. They stand for the
+# contact stiffnesses of the figure.
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
 
 @dataclass(frozen=True, slots=True)
 class WireStudy:
-    """Measures of the strike of a wire relative to the rigid bristle, over contact stiffness and
-    over number of links.
+    """Measures of the strike of a wire, divided by those of the rigid bristle's strike.
+
+    They are functions of the contact stiffness and of the number of links.
 
     Attributes:
-        durations: contact stiffnesses, given as durations of the rigid bristle's contact, s.
-        by_duration: ratios to the rigid bristle at each of ``durations``, by name of the measure.
+        durations: durations (s) of the rigid bristle's contact, each of which stands for a contact
+            stiffness.
+        by_duration: ratios at each of ``durations``, by name of the measure.
         links: numbers of links.
-        by_links: ratios to the rigid bristle at each of ``links``, by name of the measure.
+        by_links: ratios at each of ``links``, by name of the measure.
     """
 
     durations: Array
@@ -40,9 +42,9 @@ class WireStudy:
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
     """Simulate the strikes for the figure of the study.
 
-    ``stiffnesses`` are contact stiffnesses, given as durations of the rigid bristle's contact over
-    the requested duration. On each of them the tool's wire strikes. On the requested stiffness
-    wires of every number of links up to the tool's number strike.
+    The tool's wire strikes on contacts of several stiffnesses. Wires with fewer links strike on the
+    contact of the requested stiffness. ``stiffnesses`` are durations of the rigid bristle's
+    contact, each divided by the requested duration. They stand for the contact stiffnesses.
     """
     most = strike.tool.bristle.links
     durations = strike.contact.duration * np.array(stiffnesses)
@@ -50,8 +52,9 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return the measures of strikes, each divided by the measure of the rigid bristle's
-        strike; NaN if a contact does not end.
+        """Return the measures of strikes, divided by those of the rigid bristle's strike.
+
+        A ratio is NaN if one of the contacts does not end.
         """
         found = []
         for each in strikes:
