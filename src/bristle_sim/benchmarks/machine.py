@@ -15,13 +15,14 @@ PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "heyoka")
 
 
 def installed() -> set[str]:
-    """Return the names of the measured packages that can be imported."""
+    """Return the names of those measured packages that are installed."""
     return {name for name in PACKAGES if importlib.util.find_spec(name) is not None}
 
 
 def surroundings() -> dict[str, Any]:
-    """Return a description of the machine: processor, number of cores, system, load average and
-    package versions, by key.
+    """Return a description of the computer and its software.
+
+    Its keys are processor, number of cores, system, load average and package versions.
     """
     return {
         "processor": _processor(),
@@ -43,7 +44,7 @@ def _version(package: str) -> str:
 
 
 def _processor() -> str:
-    """Return the name of the processor; if the system does not give it, the machine's architecture."""
+    """Return the name of the processor or, if it is not available, the computer's architecture."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""The audit: every printed number and decidable statement of chapters 2 to 4, recomputed.
+"""The audit: every number printed in chapters 2 to 4, and every statement that can be checked.
 
 Three rows are from chapters 1 and 5, which print the same quantities. ``printed.toml`` holds the
 printed numbers and statements. The modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute
@@ -32,30 +32,31 @@ DIFFERS = "differs"
 NOT_COMPUTABLE = "not computable"
 
 SLACK = 1e-9
-"""Allowance for the rounding error of a value exactly half a unit away, as a fraction of the
-printed number."""
+"""Tolerance for rounding error, as a fraction of the printed number.
+
+A computed value may differ from the printed number by exactly half a unit of its last digit."""
 
 PRINTED = 22
 COMPUTED = 12
 UNIT = 9
-"""Widths of three columns of the table, in characters.
+"""Widths of the columns ``printed``, ``computed`` and ``unit`` of the table, in characters.
 
-The column of the status is as wide as its longest word; the column of the place takes the rest."""
+The column ``status`` is as wide as its longest word; the column ``where`` takes the rest."""
 
 
 @dataclass(frozen=True, slots=True)
 class AuditRow:
-    """The verdict of the audit on one printed number or statement.
+    """The result of the audit for one printed number or statement.
 
     Attributes:
         where: place of the number or statement in the dissertation.
-        printed: the number, or the statement in words.
+        printed: the printed number, or the statement in words.
         unit: unit of the printed and of the computed number.
-        computed: the value by the equations; None if it cannot be computed.
+        computed: the value computed from the equations; None if it cannot be computed.
         status: ``reproduced``, ``differs`` or ``not computable``.
-        why: the likeliest reason for a difference, with numbers; otherwise a remark, or empty.
-        tolerance: largest difference that counts as reproduced; None for a statement, or if there
-            is no computed value.
+        why: the likeliest reason for a difference. Without a difference, it is a remark or empty.
+        tolerance: largest difference that counts as reproduced. It is None for a statement, or if
+            there is no computed value.
     """
 
     where: str
@@ -69,7 +70,10 @@ class AuditRow:
 
 @dataclass(frozen=True, slots=True)
 class AuditView(Declared):
-    """The choice of rows that the table shows; the JSON always has all rows."""
+    """The choice of rows, by status, that the table on the terminal shows.
+
+    The JSON output always has all rows.
+    """
 
     show: str = choice(
         "show: which rows the table shows; the JSON has all [chosen: rows of the table on the terminal]",
@@ -78,9 +82,7 @@ class AuditView(Declared):
 
 
 def audit_rows() -> tuple[AuditRow, ...]:
-    """Return the rows of the audit of the dissertation's printed numbers, one for each place in the
-    text; all numbers are finite.
-    """
+    """Return the rows of the audit, one for each printed number or statement."""
     from bristle_sim.dissertation import audit_chapter_2 as impact
     from bristle_sim.dissertation import audit_chapters_3_4 as force
 
@@ -99,10 +101,14 @@ def audit_rows() -> tuple[AuditRow, ...]:
 
 
 def audit_row(row: Printed, figure: Figure | float) -> AuditRow:
-    """Return the verdict on a printed number or statement, given the value by the equations.
+    """Compare a printed number or statement with its computed value.
+
+    Args:
+        row: the printed number or statement.
+        figure: the computed value.
 
     Raises:
-        ArithmeticError: if the value is not finite.
+        ArithmeticError: if the computed value is not finite.
     """
     if not isinstance(figure, Figure):
         figure = Figure(figure)
@@ -129,7 +135,7 @@ def half_unit(printed: str) -> float:
 
 
 def audit_report(view: AuditView) -> Report:
-    """Recompute every printed number and statement, and return the report of the audit."""
+    """Recompute all printed numbers and statements, and return the report of the audit."""
     begin = clock.perf_counter()
     rows = audit_rows()
     counts = Counter(row.status for row in rows)
@@ -150,8 +156,10 @@ def audit_report(view: AuditView) -> Report:
 
 
 def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
-    """Return the sentence with the count of rows by status, and with the number whose relative
-    difference from print is largest.
+    """Return a sentence with the number of rows of each status.
+
+    The sentence also names the number whose computed value has the largest relative difference from
+    the printed one.
     """
     _, where, numbers = max(
         (
@@ -170,19 +178,20 @@ def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
 
 
 def shown_number(value: float | str | None) -> str:
-    """Return the text of a table cell: a statement unchanged, a number with up to seven digits, or
-    a dash for None.
+    """Return the text of a table cell.
+
+    A number has up to seven digits. A statement is unchanged. None becomes a dash.
     """
     return "-" if value is None else value if isinstance(value, str) else f"{value:.7g}"
 
 
 def terminal_table(rows: Sequence[AuditRow]) -> str:
-    """Return a text table of the rows, with each row's remark indented below the row."""
+    """Return the rows as a text table; the remark ``why`` stands below its row, indented."""
     status = max(map(len, (REPRODUCED, DIFFERS, NOT_COMPUTABLE)))
     widths = (WIDTH - PRINTED - COMPUTED - UNIT - status - 8, PRINTED, COMPUTED, UNIT, status)
 
     def line(*cells: str) -> list[str]:
-        """Return the text lines of one row of cells, each cell wrapped to its column."""
+        """Return the lines of text of one table row, whose cells are wrapped to their columns."""
         wrapped = (textwrap.wrap(*each) for each in zip(cells, widths, strict=True))
         return aligned(list(zip_longest(*wrapped, fillvalue="")), (0, 3, 4), widths)
 

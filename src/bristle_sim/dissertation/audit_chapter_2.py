@@ -41,7 +41,7 @@ operating = operating_strike(friction=0.31)
 
 
 def cue_figures() -> Figures:
-    """Return the computed values for the tool and the position of its bar, section 2.2."""
+    """Return the computed values for section 2.2: the tool and the position of its bar."""
     plain = cueing.cue(tool)
     stiff = cueing.stiffened_cue(tool)
     position = np.array(
@@ -111,7 +111,9 @@ def cue_figures() -> Figures:
 
 
 def pass_figures() -> Figures:
-    """Return the values of a simulated pass at the operating point, sections 2.2 and 2.3."""
+    """Return the computed values that need a simulated pass at the operating point (sections 2.2,
+    2.3).
+    """
     # Samples are dense enough to read angles to 1e-4 deg.
     run = simulate_reference(tool, accuracy=1e-9, sample_interval=1e-6)
     strike, *later = [each for each in run.contacts if each.obstacle == "workpart"]
@@ -158,16 +160,17 @@ def pass_figures() -> Figures:
 
 
 def resultant_impulse(friction: float) -> float:
-    """Return the resultant compressive impulse (N s) at an impact angle of 23.4 deg (eq. 3.1).
+    """Return the magnitude p_c of the compressive impulse (N s) at an impact angle of 23.4 deg.
 
-    It is p_c = sqrt(p_cx^2 + p_cy^2).
+    By eq. (3.1), p_c = sqrt(p_cx^2 + p_cy^2), with the tangential component p_cx and the normal
+    component p_cy.
     """
     hit = operating_strike(friction=friction)
     return float(np.hypot(hit.normal_compressive_impulse, hit.tangential_compressive_impulse))
 
 
 def compression_figures() -> Figures:
-    """Return the computed values for the compression phase of the bristle's impact, section 2.3."""
+    """Return the computed values for section 2.3: the compression phase of the bristle's impact."""
     frictions = np.linspace(0.0, 1.0, 101)
     angles = np.radians([15.0, 20.0, 25.0, 30.0])[:, np.newaxis]
     over_angles = operating_strike(friction=frictions, impact_angle=angles)
@@ -229,9 +232,9 @@ def compression_figures() -> Figures:
 
 
 def restitution_figures() -> Figures:
-    """Return the computed values for the restitution phase of the bristle's impact, section 2.3.
+    """Return the computed values for section 2.3: the restitution phase of the bristle's impact.
 
-    The normal final impulse is p_fy.
+    In their remarks p_fy is the normal impulse at the end of the impact.
     """
     stiction = float(stiction_friction(IMPACT_ANGLE))
     below_stiction = np.linspace(0.0, 0.42, 22)  # tan(23.4 deg) = 0.433
@@ -269,16 +272,19 @@ def restitution_figures() -> Figures:
 
 
 def heavy_rod(mass_ratio: float) -> pendulums.DoublePendulumImpact:
-    """Return the impact of the double pendulum of figures 2.28 and 2.29 at a mass ratio."""
+    """Return the impact of the double pendulum of figures 2.28 and 2.29.
+
+    ``mass_ratio`` is the mass of the first rod divided by that of the second.
+    """
     return pendulums.double_pendulum_impact(
         5.0, mass_ratio, 1.0, math.pi / 9.0, math.pi / 6.0, -0.1, -0.2, 0.5, 0.5
     )
 
 
 def pendulum_figures() -> Figures:
-    """Return the computed values for Stronge's pendulums, section 2.4.
+    """Return the computed values for section 2.4: Stronge's single and double pendulums.
 
-    They include values of the general impact law at the operating point.
+    One more value is that of the general impact law at the operating point.
     """
     angles = np.radians([20.0, 40.0, 60.0, 80.0])
     bristle = monofilament_impact(1.0, 1.0, 0.0, 1.0, 1.0, angles, 0.31, 0.42).rebound_ratio

@@ -42,7 +42,7 @@ exact = CraterKinematics.of_tool(tool, PRINTED_RATE)
 
 
 def force_history_figures() -> Figures:
-    """Return the computed values for the force history, chapter 3."""
+    """Return the computed values for chapter 3: the contact force over time."""
     printed = np.array(printed_segments(), dtype=float)
     step = 0.1 * COMPRESSION_TIME
     # Fit of (3.3) to the mean forces of table 3.1 at the middles of the segments, with F* = 60 N.
@@ -132,7 +132,7 @@ def force_history_figures() -> Figures:
 
 
 def motion_figures() -> Figures:
-    """Return the computed values for the tip's motion and the width of the cut, section 4.1."""
+    """Return the computed values for section 4.1: the tip's motion and the width of the cut."""
     drawn = PRINTED_KINEMATICS
     face = PRINTED_FACE
     reached = 1e6 * float(drawn.tip_displacement(COMPRESSION_TIME))
@@ -194,7 +194,9 @@ def motion_figures() -> Figures:
 
 
 def plies_figures() -> Figures:
-    """Return the computed values for the crater depth by Merchant's circle, section 4.2."""
+    """Return the computed values for section 4.2: the crater depth by Merchant's theory of
+    cutting.
+    """
     angles = oblique_angles(0.5, IMPACT_ANGLE)
     buried = oblique_angles(0.31, IMPACT_ANGLE, check=False)
     rake, beta, eta = (
@@ -255,7 +257,7 @@ def plies_figures() -> Figures:
 
 
 def energy_figures() -> Figures:
-    """Return the computed values for the crater depth by work and energy, section 4.3."""
+    """Return the computed values for section 4.3: the crater depth by work and energy."""
     printed = energy_coefficients()
     unrounded = energy_coefficients(exact)
     initial = kinetic_energy(0, unrounded)

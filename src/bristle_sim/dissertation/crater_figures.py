@@ -67,14 +67,15 @@ FAMILIES: dict[str, tuple[str, str, tuple[float, float], tuple[str, tuple[float,
 }
 """Families of curves of the crater depth, by the number of their figure.
 
-An entry first has the quantity that varies along a curve: in words, its name, and its range. Then
-follow the name and the values of the quantity that varies from curve to curve."""
+For the quantity that varies along a curve, an entry holds its name in words, its key, and its range
+in SI units. For the quantity that varies from curve to curve it holds the key and the values."""
 
 
 def map_figure() -> Redrawn:
-    """Return figure 4.2: force and motion during compression, as printed and as simulated.
+    """Return figure 4.2: force and motion during compression.
 
-    The simulated contact begins with the speed at which the dissertation's bristle strikes.
+    The curves are the printed formulas; the points are a simulated contact. It begins with the
+    speed at which the dissertation's bristle strikes.
     """
     k = PRINTED_KINEMATICS
     contact = bristle_contact(impulse=False)
@@ -99,7 +100,7 @@ def map_figure() -> Redrawn:
 
 
 def displacement_figure() -> Redrawn:
-    """Return figure 4.3: the path of the tip."""
+    """Return figure 4.3: the path length of the tip during compression."""
     motion = PRINTED_KINEMATICS.tip_displacement
     panel = _over_time(PATH, "$S$ (4.4a)", motion, bristle_contact(impulse=False).path)
     end = float(motion(COMPRESSION_TIME))
@@ -110,7 +111,7 @@ def displacement_figure() -> Redrawn:
 
 
 def width_figure() -> Redrawn:
-    """Return figure 4.6: the width of the cut."""
+    """Return figure 4.6: the width of the cut during compression."""
     at = COMPRESSION_TIME * np.linspace(0.0, 1.0, 11)[1:]
     printed = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * at)) ** 2)
     grid = COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2
@@ -125,10 +126,10 @@ def width_figure() -> Redrawn:
 
 
 def plies_figure() -> Redrawn:
-    """Return figure 4.13: crater depth against the number of plies, the time steps of the
-    compression.
+    """Return figure 4.13: crater depth over the number of plies.
 
-    One curve has the exact angles of Merchant's circle, the other the rounded angles in print.
+    A ply is the layer of the chip that is cut in one of the equal time steps of compression. One
+    curve has the exact angles of Merchant's circle, the other has the rounded angles in print.
     """
     rounded = partial(_depth, "plies", {"angles": PRINTED_ANGLES})
     printed = [_printed_sum(plies=int(n)) for n in FEW_PLIES]
@@ -147,10 +148,10 @@ def plies_figure() -> Redrawn:
 
 
 def depth_figure(number: str) -> Redrawn:
-    """Return figure 4.14, 4.15 or 4.17: crater depth over friction, impact angle or shear yield
-    stress.
+    """Return figure 4.14, 4.15 or 4.17: crater depth over friction, impact angle or yield stress.
 
-    The points are values of the printed sum over plies (4.57).
+    The stress is the shear yield stress. The points are values of the printed sum over plies
+    (4.57).
     """
     words, along, ends, (family, values) = FAMILIES[number]
     at = np.linspace(*ends, 8)
@@ -167,7 +168,9 @@ def depth_figure(number: str) -> Redrawn:
 
 
 def constant_depth_figure() -> Redrawn:
-    """Return figure 4.16: friction over the impact angle at constant crater depth."""
+    """Return figure 4.16: the friction that gives a constant crater depth, over the impact
+    angle.
+    """
     grid = np.radians(np.linspace(5.0, 23.4, 101))
     curves = []
     for depth in (1.2e-4, 1.4e-4, 1.6e-4, 2.0e-4):
@@ -182,10 +185,10 @@ def constant_depth_figure() -> Redrawn:
 
 
 def energy_figure() -> Redrawn:
-    """Return figure 4.19: crater depth by work and energy over the number of plies.
+    """Return figure 4.19: crater depth by work and energy, over the number of plies.
 
-    The printed equation can be read in two ways, which give the two curves: a sum of quotients, and
-    a quotient of two sums.
+    The printed equation can be read as a sum of quotients or as a quotient of two sums. Each
+    reading gives one curve.
     """
     curves = (
         curve_of(
@@ -221,8 +224,13 @@ FIGURES: dict[str, Callable[[], Redrawn]] = {
 def _over_time(
     axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array
 ) -> Panel:
-    """Return a panel of a quantity over time during compression, with the printed curve and
-    simulated points.
+    """Return a panel of a quantity over time during compression.
+
+    Args:
+        axis: vertical axis.
+        name: label of the curve.
+        formula: the printed formula, a function of time (s).
+        values: samples of the simulated contact, shown as points.
     """
     time, first = np.unique(bristle_contact(impulse=False).time, return_index=True)
     kept = time <= COMPRESSION_TIME
@@ -235,12 +243,22 @@ def _over_time(
 
 
 def _depth(along: str, given: dict[str, Any], x: Any) -> Any:
-    """Return the crater depth (m) at values ``x`` of the argument ``along`` of its formula."""
+    """Return the crater depth (m) by Merchant's theory.
+
+    Args:
+        along: name of the argument that varies.
+        given: values of other arguments, by name.
+        x: values of the argument that varies.
+    """
     return merchant_crater_depth(**given, **{along: x})
 
 
 def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float:
-    """Return the crater depth (m) by the printed sum (4.57)."""
+    """Return the crater depth (m) by the printed sum (4.57).
+
+    ``impact_angle`` is in rad; ``changes`` are other crater parameters that differ from their
+    defaults.
+    """
     crater = dataclasses.replace(OWN, impact_angle_deg=math.degrees(impact_angle), **changes)
     return merchant_sum(crater)
 
@@ -248,8 +266,8 @@ def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float
 def merchant_sum(crater: Crater) -> float:
     """Return the crater depth (m) by Merchant's relation as printed (4.57).
 
-    It is the sum over plies, the layers of the chip that are cut in equal time steps. The product
-    of sine and cosine of the shear angle of least work is written as a difference.
+    The sum is over plies, the layers of the chip that are cut in equal time steps. The shear angle
+    is that of least work.
     """
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
     gamma = math.radians(crater.impact_angle_deg)
@@ -259,8 +277,9 @@ def merchant_sum(crater: Crater) -> float:
 
 
 def _energy_sum(plies: int) -> float:
-    """Return the crater depth (m) by work and energy (4.58, 4.62-4.65), with the energy of the
-    printed motion (4.6, 4.7).
+    """Return the crater depth (m) by work and energy (4.58, 4.62-4.65), as a sum over plies.
+
+    The kinetic energy is that of the printed motion (4.6, 4.7).
     """
     time = np.linspace(0.0, COMPRESSION_TIME, plies + 1)
     wire = Bristle()
@@ -271,10 +290,9 @@ def _energy_sum(plies: int) -> float:
 
 
 def _friction(depth: float, impact_angle: float) -> float:
-    """Return the friction coefficient, at least tan(gamma), at which the crater has a given depth,
-    m.
+    """Return the friction coefficient at which the crater has a given depth (m).
 
-    gamma is the impact angle. The value is NaN if no friction gives this depth.
+    It is at least the tangent of the impact angle. If no friction gives this depth, it is NaN.
     """
     try:
         return float(friction_for_crater_depth(depth, impact_angle))
@@ -283,9 +301,9 @@ def _friction(depth: float, impact_angle: float) -> float:
 
 
 def _friction_of_printed_sum(depth: float, impact_angle: float) -> float:
-    """Return the friction coefficient at which the printed sum (4.57) gives a crater depth, m.
+    """Return the friction coefficient at which the printed sum (4.57) gives a crater depth (m).
 
-    The sum grows with friction, so the equation has one root.
+    The sum grows with friction, so that there is only one such coefficient.
     """
 
     def excess(logarithm: float) -> float:

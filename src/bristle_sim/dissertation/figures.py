@@ -33,13 +33,13 @@ NUMBERS = tuple(_BUILDERS)
 
 
 def redrawn(number: str) -> Redrawn:
-    """Return the data of one figure, by its number; the impacts in the figure are simulated."""
+    """Return the data of the figure or table with this number; its impacts are simulated now."""
     return _BUILDERS[number]()
 
 
 @dataclass(frozen=True, slots=True)
 class Selection(Declared):
-    """The choice of figures to redraw."""
+    """The choice of the figure or table to redraw."""
 
     only: str = choice(
         "only: figure or table that is redrawn [chosen: one figure alone]", "all", *NUMBERS
@@ -50,7 +50,7 @@ def figures_report(selection: Selection) -> Report:
     """Compute the curves and points of the requested figures.
 
     Raises:
-        Unfinished: if the user interrupts the computation; the exception carries a report of the
+        Unfinished: if the user interrupts the computation. The exception carries a report of the
             figures computed so far.
     """
     begin = clock.perf_counter()
@@ -58,7 +58,10 @@ def figures_report(selection: Selection) -> Report:
     figures: list[Redrawn] = []
 
     def report() -> Report:
-        """Return the report of the distances between the points and their curves."""
+        """Return the report on the figures computed so far.
+
+        Its quantities are the largest distances of points from their curves.
+        """
         quantities = tuple(
             _quantity(each, source, distance)
             for each in figures
@@ -98,8 +101,10 @@ def _quantity(figure: Redrawn, source: str, distance: float) -> Quantity:
 
 
 def _answer(quantities: Sequence[Quantity]) -> str:
-    """Return the sentence that says whether the points lie on their curves, and which set of points
-    is farthest off.
+    """Return a sentence that says whether all points lie on their curves.
+
+    The sentence also names the points with the largest distance among those that need not lie on
+    their curve.
     """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each.label for each in judged if not each.ok]

@@ -19,7 +19,7 @@ from bristle_sim.theory.force_history import BALL, BRISTLE, segment_impulses
 NOISE = 5.0
 POINTS = 61
 SEED = 1
-"""Standard deviation of the noise (N), number of points, and seed of the noise.
+"""Standard deviation of the noise (N), number of noisy points, and seed of the random numbers.
 
 The noisy points replace the measured points of figure 3.1, which are not in print."""
 
@@ -32,7 +32,11 @@ PRINTED_IMPULSE = printed_number("eq. 3.9: compressive impulse of the bristle")
 
 
 def points_figure() -> Redrawn:
-    """Return figure 3.1: points of a ball's contact force over time, and a curve fitted to them."""
+    """Return figure 3.1: a ball's contact force over time, as points and as a fitted curve.
+
+    The measured points are not in print. Points of the printed curve with random noise replace
+    them.
+    """
     time = np.linspace(0.0, BALL.duration, POINTS)
     force = np.asarray(BALL(time)) + NOISE * np.random.default_rng(SEED).standard_normal(POINTS)
     fit = fit_decay(time, force, BALL.duration, 2.0 * BALL.swing)
@@ -44,7 +48,9 @@ def points_figure() -> Redrawn:
 
 
 def fit_figure() -> Redrawn:
-    """Return figure 3.2: the fitted force curve, its inflection point and its largest force."""
+    """Return figure 3.2: the fitted force curve of the ball, with its inflection point and
+    maximum.
+    """
     at = np.linspace(0.0, 5e-3, 11)
     printed = (
         1.3935
@@ -66,10 +72,11 @@ def fit_figure() -> Redrawn:
 
 
 def bristle_figure() -> Redrawn:
-    """Return figure 3.3: the bristle's force curve, the segments of table 3.1 and a simulated
-    contact.
+    """Return figure 3.3: the force on the bristle over time.
 
-    The simulated contact has the same compressive impulse as the curve.
+    Curves are the printed formula and the ball's rescaled formula. Points are the mean forces of
+    the segments of table 3.1, and a simulated contact with the same compressive impulse as the
+    formula.
     """
     step = BRISTLE.peak_time() / SEGMENTS
     middles = step * (np.arange(SEGMENTS) + 0.5)
@@ -92,9 +99,9 @@ def bristle_figure() -> Redrawn:
 
 
 def table() -> Redrawn:
-    """Return table 3.1: impulses of the ten segments of compression.
+    """Return table 3.1: the impulses of ten equal time segments of compression.
 
-    Its columns hold the printed impulses, and those by eq. (3.15), by eq. (3.19) and by the
+    Columns are the printed impulses, those by eq. (3.15), those by eq. (3.19), and those of a
     simulated contact.
     """
     contact = bristle_contact(impulse=True)
@@ -128,10 +135,10 @@ def table() -> Redrawn:
 
 @functools.cache
 def bristle_contact(*, impulse: bool) -> TimedContact:
-    """Return a simulated contact of the bristle with the compression time of eq. (3.19).
+    """Simulate a contact of the bristle whose compression takes as long as that of eq. (3.19).
 
-    If ``impulse`` is true, the contact has the impulse of (3.19). Otherwise it begins with the
-    speed of the operating point.
+    If ``impulse`` is true, the contact also has the compressive impulse of (3.19). Otherwise it
+    begins with the speed of the operating point.
     """
     peak = BRISTLE.peak_time()
     return timed_contact(

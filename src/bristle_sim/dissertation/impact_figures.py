@@ -27,20 +27,20 @@ from bristle_sim.studies.strike_measures import contact_quantities
 from bristle_sim.trajectory import ContactRecord
 
 Impact = Callable[[float], tuple[Chain, Surface]]
-"""Function of the figure's x that returns the rods and the surface of an impact."""
+"""Function that returns the rods and the surface of the impact at a horizontal coordinate x."""
 
 GRID = 401  # points on a curve
 
-# Number of simulated impacts on a curve, by contact law. Impacts by the energetic law lie from end
-# to end of the curve, impacts by the compliant law between its ends.
+# Numbers of impacts on a curve, simulated by the energetic and by the compliant contact law. The
+# former extend from end to end of the curve, the latter lie between its ends.
 ENERGETIC = 6
 COMPLIANT = 5
 
 NEAREST = 0.9
-"""Largest friction of simulated impacts, as a fraction of the stiction friction.
+"""Largest friction coefficient of simulated impacts, as a fraction of tan(gamma).
 
-Towards the stiction friction the normal final impulse p_fy grows without bound. The curves end at
-0.9999 of the stiction friction."""
+gamma is the impact angle. At tan(gamma) stiction begins; towards it the normal final impulse grows
+without bound. The curves end at 0.9999 tan(gamma)."""
 
 FINAL = "normal_final_impulse"
 NORMAL = "normal_compressive_work"
@@ -50,16 +50,17 @@ TOTAL = "total_compressive_work"
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """A family of curves of strikes.
+    """A family of curves: a quantity of the strike over one argument, for values of another.
+
+    All other arguments are those of the operating point.
 
     Attributes:
-        words: end of a figure's title; the title begins with the quantity.
-        along: argument of the strike that varies along a curve, from ``low`` to ``high``.
-        family: argument of the strike that varies from curve to curve, with the values ``values``.
+        words: second half of the figure's title, which follows the name of the quantity.
+        along: argument that varies along a curve, from ``low`` to ``high``.
+        family: argument that varies from curve to curve and takes the values ``values``.
         until_stiction: whether a curve ends just before its friction reaches tan(gamma), at which
-            stiction begins; gamma is the impact angle.
-        has_hub: whether the hub has the radius of the operating point; otherwise its radius is 0.
-            All other arguments are those of the operating point.
+            the tip sticks; gamma is the impact angle.
+        has_hub: whether the hub has the radius of the operating point. Otherwise its radius is 0.
     """
 
     words: str
@@ -192,8 +193,8 @@ NOTES = {
 def impact_figure(number: str) -> Redrawn:
     """Return the data of one of the figures 2.7 to 2.26.
 
-    They are curves by the closed form, points of simulated impacts, the operating point, and lines
-    at which stiction begins.
+    Curves are closed forms, and points are simulated impacts. The operating point is marked, and
+    dashed lines mark the friction at which the tip sticks.
     """
     quantity, sweep = FIGURES[number]
     hub = {} if sweep.has_hub else {"hub_radius": 0.0}
@@ -224,8 +225,13 @@ def impact_figure(number: str) -> Redrawn:
 def _curve(quantity: str, sweep: Sweep, case: Mapping[str, Any]) -> Curve:
     """Return one curve of a family, with points of simulated impacts.
 
-    The grid is denser where the quantity grows without bound. Impacts by the energetic law lie from
-    end to end of the curve; impacts by the compliant law lie at the middles of equal segments.
+    Args:
+        quantity: name of the quantity.
+        sweep: the family of curves.
+        case: values of the strike's arguments on this curve.
+
+    The grid is denser where the quantity grows without bound. The points of the energetic law
+    extend from end to end of the curve; those of the compliant law lie between its ends.
     """
     low = sweep.low
     high = sweep.high
@@ -242,7 +248,9 @@ def _curve(quantity: str, sweep: Sweep, case: Mapping[str, Any]) -> Curve:
     }
 
     def impact(x: float) -> tuple[Chain, Surface]:
-        """Return the rod that strikes, and the surface."""
+        """Return the rod and the surface of the strike with the value ``x`` of the varied
+        argument.
+        """
         given = {**case, sweep.along: x}
         rod = Chain(
             (given["mass"],),
@@ -263,15 +271,18 @@ def _curve(quantity: str, sweep: Sweep, case: Mapping[str, Any]) -> Curve:
 
 
 def _value(quantity: str, get: Callable[[str], Any]) -> Any:
-    """Return a quantity by name. The total work is the sum of the normal and the tangential
-    work."""
+    """Return the value of a quantity by its name.
+
+    ``get`` returns a value by name; it lacks the total work, which is the sum of the normal and the
+    tangential work.
+    """
     return get(NORMAL) + get(TANGENTIAL) if quantity == TOTAL else get(quantity)
 
 
 def closed_form(quantity: str, case: Mapping[str, Any], along: str) -> Callable[[Array], Array]:
     """Return the closed form of a quantity as a function of one argument of the strike.
 
-    ``along`` names this argument, and ``case`` holds all other arguments.
+    ``along`` names this argument; ``case`` holds the values of all arguments.
     """
 
     def value(x: Array) -> Array:
@@ -289,15 +300,14 @@ def impact_curve(
     read: Callable[[ContactRecord], float],
     places: Mapping[str, Array],
 ) -> Curve:
-    """Return the curve of a closed form over x, with points of impacts simulated by each contact
-    law.
+    """Return the curve of a closed form, with points of impacts simulated by several contact laws.
 
     Args:
         name: label of the curve.
-        formula: closed form as a function of x.
-        x: grid of the curve.
-        impact: function of x that returns the rods and the surface of an impact.
-        read: function that reads the quantity from a simulated contact.
+        formula: the closed form, a function of the horizontal coordinate x.
+        x: values of x at which the curve is computed.
+        impact: function that returns the rods and the surface of the impact at x.
+        read: function that returns the quantity of a simulated contact.
         places: values of x at which impacts are simulated, by contact law.
     """
     points = {
@@ -309,5 +319,5 @@ def impact_curve(
 
 @cache
 def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord:
-    """Return the contact of a strike simulated in the scene."""
+    """Simulate a strike by a contact law, and return its contact."""
     return strike(chain, surface, Contact(law), Settings()).contact

@@ -23,7 +23,8 @@ OPERATING_POINT: dict[str, Any] = {
 
 
 def operating_strike(**changes: Any) -> MonofilamentImpact:
-    """Return the impact at the operating point; ``changes`` replace arguments of
-    ``monofilament_impact``.
+    """Return the impact at the operating point by its closed form.
+
+    ``changes`` replace arguments of ``monofilament_impact``.
     """
     return monofilament_impact(**OPERATING_POINT | changes)

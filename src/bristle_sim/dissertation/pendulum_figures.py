@@ -40,15 +40,15 @@ HEAVY_ROD = Chain(
 
 
 def rate_figure(number: str, name: str, rod: int) -> Redrawn:
-    """Return figure 2.28 or 2.29: rate of a rod after the impact over the mass ratio.
+    """Return figure 2.28 or 2.29: angular velocity of a rod after the impact, over the mass ratio.
 
-    The curves have different frictions. At the two lower frictions the tip's slip reverses, at the
-    highest the tip sticks.
+    There is one curve for each of three coefficients of friction. At the two lower ones the tip's
+    slip reverses; at the highest the tip sticks.
 
     Args:
         number: number of the figure.
         name: name of the rod.
-        rod: index of the rod, 1 or 2.
+        rod: number of the rod, 1 or 2.
     """
     ratios = np.geomspace(1.0, 1e4, 121)
     places = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(1.0, 1e4, 9)[1::2]}
@@ -64,9 +64,9 @@ def rate_figure(number: str, name: str, rod: int) -> Redrawn:
 
 
 def heavy_rod_figure() -> Redrawn:
-    """Return figure 2.30: final impulse of the bristle as the second rod of a double pendulum.
+    """Return figure 2.30: final normal impulse of a double pendulum with a heavy first rod.
 
-    The closed form of the monofilament is drawn for comparison.
+    The second rod is the bristle. The closed form of the bristle on a hub is drawn for comparison.
     """
     stiction = math.tan(-HEAVY_ROD.angles[1])
     frictions = 0.9999 * stiction * (1.0 - np.linspace(1.0, 0.0, 121) ** 2)
@@ -101,9 +101,10 @@ def heavy_rod_figure() -> Redrawn:
 def _impact(
     chain: Chain, restitution: float, friction: float, mass_ratio: float
 ) -> tuple[Chain, Surface]:
-    """Return the double pendulum with a given mass ratio, and the surface that its tip strikes.
+    """Return the rods and the surface of a double pendulum's impact.
 
-    The mass ratio is the mass of the first rod over the mass of the second.
+    ``mass_ratio`` is the mass of the first rod divided by that of the second. It replaces the ratio
+    of ``chain``.
     """
     mass = chain.masses[1]
     rods = dataclasses.replace(chain, masses=(mass_ratio * mass, mass))
@@ -112,8 +113,10 @@ def _impact(
 
 @cache
 def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
-    """Return the double pendulum's impact by the closed form, with the dissertation's signs of
-    angles and rates.
+    """Return the double pendulum's impact by its closed form.
+
+    Angles and angular velocities have the dissertation's signs, which are opposite to those of
+    ``chain``.
     """
     first, second = chain.masses
     state = [-each for each in (*chain.angles, *chain.rates)]
@@ -126,17 +129,27 @@ def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
 def _curve(
     name: str, quantity: str, impact: Impact, x: Array, places: Mapping[str, Array]
 ) -> Curve:
-    """Return the curve of a quantity over x by the closed form, with points of simulated impacts.
+    """Return the curve of a quantity by its closed form, with points of simulated impacts.
 
-    The quantity is the normal final impulse (N s) or the rate of a rod after the impact (rad/s). A
-    rate is negative in the direction of approach.
+    The quantity is ``normal_final_impulse`` (N s), or ``final_rate_1`` or ``final_rate_2``, the
+    angular velocity of a rod after the impact (rad/s). An angular velocity is negative in the
+    direction of approach.
+
+    Args:
+        name: label of the curve.
+        quantity: name of the quantity.
+        impact: function that returns the rods and the surface of the impact at x.
+        x: values at which the curve is computed.
+        places: values of x at which impacts are simulated, by contact law.
     """
 
     def formula(grid: Array) -> list[float]:
         return [getattr(_closed_form(*impact(each)), quantity) for each in grid.tolist()]
 
     def read(contact: ContactRecord) -> float:
-        """Return the quantity of a simulated contact, with the dissertation's sign."""
+        """Return the quantity of a simulated contact, with the sign that it has in the
+        dissertation.
+        """
         return (
             contact.impulse[0] if quantity == FINAL else -contact.rates_after[int(quantity[-1]) - 1]
         )

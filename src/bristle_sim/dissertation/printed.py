@@ -1,5 +1,4 @@
-"""All printed numbers and decidable statements of the dissertation, with their printed digits and
-their places.
+"""The numbers printed in the dissertation, and its statements that a computation can check.
 
 They are stored in ``printed.toml``.
 """
@@ -19,7 +18,7 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """A number as printed, or a statement in words.
+    """A number as printed in the dissertation, or a statement of the dissertation in words.
 
     Attributes:
         where: place of the number or statement in the dissertation.
@@ -36,23 +35,26 @@ class Printed:
 
 @cache
 def printed_rows() -> dict[str, Printed]:
-    """Return all printed numbers and statements by their places, in the order of the file."""
+    """Return all printed numbers and statements, by their places in the dissertation."""
     text = Path(__file__).with_name("printed.toml").read_text(encoding="utf-8")
     return {row["where"]: Printed(**row) for row in tomllib.loads(text)["row"]}
 
 
 def printed_number(where: str) -> float:
-    """Return the printed number at a place of the dissertation, in its printed unit."""
+    """Return the number printed at a place of the dissertation, in its printed unit.
+
+    A place is for example ``eq. 2.33: speed ratio R``.
+    """
     return float(printed_rows()[where].printed)
 
 
 def printed_cue() -> dict[str, float]:
-    """Return the printed position of the bar and rate of the bristle (eqs. 2.2 and 2.3).
+    """Return the printed position of the bar and speed of the bristle (eqs. 2.2 and 2.3).
 
     Returns:
-        ``speed``: angular velocity of the bristle relative to the hub, rad/s. ``direction``:
-        direction of the bar from the workpart's normal, deg. ``horizontal`` and ``vertical``:
-        coordinates of the bar, m.
+        ``speed``: angular velocity of the bristle relative to the hub, rad/s. ``direction``: angle
+        between the workpart's normal and the line from the hub's centre to the bar, deg.
+        ``horizontal`` and ``vertical``: distances of the bar from the hub's centre, m.
     """
     horizontal = 1e-3 * printed_number("eq. 2.3: bar position S_H")
     vertical = 1e-3 * printed_number("eq. 2.3: bar position S_V")
@@ -65,8 +67,10 @@ def printed_cue() -> dict[str, float]:
 
 
 def printed_segments() -> tuple[str, ...]:
-    """Return the printed impulses of the ten segments of table 3.1, in 1e-4 N s, with their
-    digits."""
+    """Return the printed impulses of table 3.1 as text, one for each of the ten segments.
+
+    Their unit is 1e-4 N s.
+    """
     return tuple(
         printed_rows()[f"table 3.1: impulse of segment {number}"].printed for number in range(1, 11)
     )
@@ -78,10 +82,11 @@ class Figure:
 
     Attributes:
         value: the value; None if it cannot be computed.
-        why: the likeliest reason for a difference from print; otherwise a remark, or empty.
+        why: the likeliest reason for a difference from print. Without a difference, it is a remark
+            or empty.
         holds: whether the value confirms the statement.
-        allowance: tolerance added to half a unit of the last printed digit, for a printed number
-            that was computed from rounded numbers.
+        allowance: extra tolerance for a printed number that was computed from rounded numbers. It
+            is added to half a unit of the last printed digit.
     """
 
     value: SupportsFloat | None
@@ -91,37 +96,41 @@ class Figure:
 
 
 Figures = Mapping[str, Figure | float]
-"""Computed values by the place of the printed number or statement in the dissertation.
+"""Computed values, by the place of the printed number or statement in the dissertation.
 
-A value without a remark is a plain number."""
+A value that has neither a remark nor an allowance may be a plain number."""
 
 
 def within(value: Any, bound: float, why: str = "") -> Figure:
-    """Return the computed value for a statement that holds if the value's magnitude is below a
-    bound.
+    """Return the computed value for a statement that holds if ``abs(value) < bound``.
+
+    ``why`` is the remark on the value.
     """
     return Figure(value, why, holds=abs(value) < bound)
 
 
 def above(value: Any, bound: float, why: str = "") -> Figure:
-    """Return the computed value for a statement that holds if the value is above a bound."""
+    """Return the computed value for a statement that holds if ``value > bound``.
+
+    ``why`` is the remark on the value.
+    """
     return Figure(value, why, holds=value > bound)
 
 
 def grows(*families: Any) -> Figure:
-    """Return the computed value for the statement that all families of curves increase along their
-    last axis.
+    """Return the computed value for the statement that curves increase.
 
-    The value is the smallest increase between neighbouring samples, over the range of all samples
-    of the family.
+    Each array holds samples of one or several curves along its last axis. The value is the smallest
+    increase between neighbouring samples, divided by the range of all samples in its array.
     """
     return above(min(np.min(np.diff(values)) / np.ptp(values) for values in families), 0.0)
 
 
 def linear(values: Any) -> Figure:
     """Return the computed value for the statement that equally spaced samples lie on a straight
-    line, up to rounding error.
+    line.
 
-    The value is the largest second difference over the range of the samples.
+    The value is the largest second difference, divided by the range of the samples. The statement
+    holds if the value is not larger than rounding error.
     """
     return within(np.max(np.abs(np.diff(values, 2))) / np.ptp(values), 1e-12)

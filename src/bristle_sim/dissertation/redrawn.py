@@ -15,11 +15,12 @@ from bristle_sim.arrays import Array
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The source of a set of points, with the largest distance at which they count as lying on
-    their curve.
+    """The origin of a set of points in a figure.
 
-    The distance is a fraction of the curve's largest value. It is None for points that need not lie
-    on the curve.
+    Attributes:
+        words: the origin in words.
+        tolerance: largest distance of the points from their curve, as a fraction of the curve's
+            largest value. It is None for points that need not lie on the curve.
     """
 
     words: str
@@ -27,8 +28,8 @@ class Source:
 
 
 SOURCES = {
-    # Law and closed form differ by rounding error alone, which grows towards the stiction friction
-    # like the reciprocal of the distance from it.
+    # Simulation and closed form differ by rounding error alone. It is inversely proportional to the
+    # distance of the friction coefficient from the value at which stiction begins.
     "energetic": Source("scene, energetic law", 1e-9),
     # As in oblique_impact: a contact resolved in time differs from its rigid-body limit by a
     # thousandth of this tolerance.
@@ -42,14 +43,20 @@ SOURCES = {
     "table": Source("table 3.1, mean forces", None),
     "sampled": Source("drawn from (3.5), noise 5 N", None),
 }
-"""Sources of points by name; the tolerance is None where a difference is a finding or intended."""
+"""Origins of points, by name.
+
+The tolerance is None where a difference is intended, or is itself a result."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """An axis of a figure, which shows SI values times ``factor`` in ``unit``.
+    """An axis of a figure: name, unit and scale.
 
-    The unit of a dimensionless quantity is ``1``.
+    Attributes:
+        name: name of the quantity.
+        unit: unit shown, ``1`` for a dimensionless quantity.
+        factor: factor from the SI unit to the unit shown.
+        log: whether the scale is logarithmic.
     """
 
     name: str
@@ -63,16 +70,19 @@ class Axis:
         return self.name if self.unit == "1" else f"{self.name} ({self.unit})"
 
     def shown(self, value: float) -> str:
-        """Return the text of an SI value in the axis's unit, with up to six decimals."""
+        """Return the text of a value that is given in SI units.
+
+        The text shows the value in the axis's unit, with up to six decimals.
+        """
         unit = {"1": "", "°": "°"}.get(self.unit, f" {self.unit}")
         return f"{round(value * self.factor, 6):g}{unit}"
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A marked point of a figure, in SI units.
+    """A marked point of a figure, with coordinates in SI units.
 
-    ``side`` is the side of the point at which the label stands: ``right``, ``left`` or ``above``. A
+    ``side`` is the side of the point on which the label stands: ``right``, ``left`` or ``above``. A
     mark without a label is the operating point.
     """
 
@@ -84,7 +94,11 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A labelled straight line at a constant y, in SI units, or at a constant x if ``upright``."""
+    """A labelled straight line across a panel, in SI units.
+
+    The line is vertical at x = ``value`` if ``upright`` is true, otherwise horizontal at y =
+    ``value``.
+    """
 
     value: float
     label: str
@@ -93,9 +107,13 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """The curve of a closed form over x, with points that check the closed form.
+    """The curve of a formula, with points that check the formula.
 
-    ``points`` holds the arrays x and y by source. An impact that does not end has no point.
+    Attributes:
+        name: label of the curve.
+        x: horizontal coordinates of the curve, in SI units.
+        theory: values of the formula at ``x``.
+        points: arrays x and y of the points, by origin (a key of ``SOURCES``).
     """
 
     name: str
@@ -106,17 +124,17 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One pair of axes with a family of curves, marked points and lines.
+    """One pair of axes with a family of curves, marked points and straight lines.
 
     Attributes:
         x: horizontal axis.
         y: vertical axis.
-        curves: the curves; the name of each is its value of the quantity that varies.
+        curves: the curves. The name of a curve is its value of the quantity ``family``.
         family: symbol of the quantity that varies from curve to curve.
-        marks: labelled points.
+        marks: marked points.
         levels: labelled straight lines.
-        top: largest y shown, in SI units, where curves grow without bound; None shows the whole
-            curves.
+        top: upper end of the vertical axis (SI unit) where curves grow without bound. None shows
+            the whole curves.
     """
 
     x: Axis
@@ -134,9 +152,16 @@ def curve_of(
     x: ArrayLike,
     points: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
 ) -> Curve:
-    """Return the curve of a formula on a grid of x that includes the x of every point.
+    """Return the curve of a formula, with points.
 
-    The distance of a point from the curve then needs no interpolation.
+    The grid ``x`` is extended by the x of every point, so that the distance of a point from the
+    curve needs no interpolation.
+
+    Args:
+        name: label of the curve.
+        formula: function of x.
+        x: grid of the curve.
+        points: arrays x and y of the points, by origin.
     """
     given = {
         law: (np.asarray(at, float), np.asarray(y, float))
@@ -150,13 +175,13 @@ def curve_of(
 
 @dataclass(frozen=True, slots=True)
 class Redrawn:
-    """A figure or table of the dissertation with recomputed data.
+    """A recomputed figure or table of the dissertation.
 
     Attributes:
         number: number of the figure or table, such as ``2.24`` or ``table_3.1``.
         title: title of the figure or table.
         panels: panels of a figure.
-        note: one line for the reader.
+        note: remark below the title.
         table: rows of a table, with the header first; empty for a figure.
     """
 
@@ -179,9 +204,9 @@ class Redrawn:
 
 
 def largest_differences(figure: Redrawn) -> dict[str, float]:
-    """Return the largest distance of the points of each source from their curve.
+    """Return the largest distance of the points from their curve, for each origin of points.
 
-    The distance is a fraction of the curve's largest magnitude at the points of this source.
+    The distance is vertical. It is a fraction of the curve's largest magnitude at these points.
     """
     found: dict[str, float] = {}
     for curve in (curve for panel in figure.panels for curve in panel.curves):

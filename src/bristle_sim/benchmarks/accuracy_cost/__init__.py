@@ -16,7 +16,10 @@ from bristle_sim.fields import choice
 
 @dataclass(frozen=True, slots=True)
 class Effort(Declared):
-    """Extent of the measurement: number of settings, repetitions, and packages that take part."""
+    """Options of the measurement: the effort, and the packages to be measured.
+
+    ``quick`` effort measures fewer settings of each method, and fewer times, than ``full`` effort.
+    """
 
     effort: str = choice(
         "effort: how many settings are timed and how often [chosen: quick measures too little to compare]",

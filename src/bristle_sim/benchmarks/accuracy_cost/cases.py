@@ -1,7 +1,7 @@
 """The cases of the measurement, each with its exact answer and the source of this answer.
 
-The answer of a case consists of a few numbers. The error of an attempt is its largest difference
-from these numbers, each difference over the natural scale of its number.
+The answer of a case consists of a few numbers. The error of an attempt is the largest difference
+from these numbers, where each difference is divided by a magnitude of its number (``scale``).
 """
 
 from __future__ import annotations
@@ -23,23 +23,31 @@ from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import Trajectory
 
 REFERENCE_ACCURACY = 1e-12
-"""Accuracy requested of the reference solution of the whole pass: a hundredth of the finest
-accuracy that an attempt requests."""
+"""Accuracy requested of the reference solution of the whole pass.
+
+It is a hundredth of the finest accuracy that is requested of an attempt."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """A problem with its exact answer.
+    """A test problem with its exact answer. It is a flight, a strike or a whole pass.
+
+    Angles and angular velocities are those of the bristle relative to the hub, unless stated
+    otherwise.
 
     Attributes:
-        exact: the answer. A flight has the relative angle (rad) and relative rate (rad/s) at its
-            end. A pass has the time (s), the relative angle (rad) and the relative rate (rad/s) at
-            the strike on the workpart. A strike has the rates of the rods after the impact (rad/s).
-        scale: natural scale of each number of the answer, in the number's unit.
-        source: source of the exact answer.
-        notes: remarks on how the packages take part, or on why a package takes no part.
+        name: short name of the case.
+        title: name of the case in words.
+        exact: the numbers of the exact answer. For a flight they are the angle (rad) and the
+            angular velocity (rad/s) at its end. For a pass they are the time (s), the angle (rad)
+            and the angular velocity (rad/s) at the strike on the workpart. For a strike they are
+            the absolute angular velocities of the rods after the impact (rad/s).
+        scale: for each number of the answer, the magnitude by which its error is divided.
+        source: how the exact answer is obtained.
+        notes: remarks on how each package solves the case, or why a package cannot.
         tool: tool of a flight or of a pass.
-        retraction: retraction at the start of a flight, rad.
+        retraction: angle by which the bristle lags the radial direction at the start of a flight,
+            rad.
         duration: duration of a flight, s.
     """
 
@@ -54,10 +62,10 @@ class Case:
     duration: float = 0.0
 
     def error(self, values: Sequence[float]) -> float:
-        """Return the largest difference between the values and the exact answer, each over its
-        scale.
+        """Return the error of an answer relative to the exact answer.
 
-        The error is infinite if a value is NaN.
+        The error of each number is its difference from the exact number, divided by its ``scale``.
+        The largest of these errors is returned, or infinity if a value is NaN.
         """
         worst = float(np.max(np.abs(np.subtract(values, self.exact)) / self.scale))
         return math.inf if math.isnan(worst) else worst
@@ -76,9 +84,10 @@ class StrikeCase(Case):
 
 
 def release_flight() -> Case:
-    """Return the undamped flight on a turning hub from release up to the radial direction.
+    """Return the case of an undamped bristle that is released at rest on a turning hub.
 
-    The energy integral gives the rate in the radial direction.
+    The flight ends when the bristle is radial. Its exact angular velocity there follows from the
+    energy integral.
     """
     tool = Tool(bar=None, workpart=None)
     retraction = RETRACTION_AT_RELEASE
@@ -104,7 +113,10 @@ def release_flight() -> Case:
 
 
 def strike() -> StrikeCase:
-    """Return the radial bristle's oblique strike (Zhang 2020, eqs. 2.19-2.65)."""
+    """Return the case of a single rod, the radial bristle, that strikes obliquely.
+
+    The exact answer is eqs. 2.19-2.65 of Zhang 2020.
+    """
     bristle = Tool().bristle
     hub = Tool().hub
     state = Strike()
@@ -127,9 +139,9 @@ def strike() -> StrikeCase:
 
 
 def double_pendulum() -> StrikeCase:
-    """Return the strike of Stronge's double pendulum (Zhang 2020, sec. 2.4.2).
+    """Return the case of Stronge's double pendulum that strikes a surface (Zhang 2020, sec. 2.4.2).
 
-    The rods are identical and stand at 20 and 30 degrees to the normal.
+    Its two rods are identical and make angles of 20 and 30 degrees with the surface normal.
     """
     rods = DoublePendulum()
     surface = Surface(friction=0.5, restitution=0.5)
@@ -152,9 +164,9 @@ def double_pendulum() -> StrikeCase:
 
 @functools.cache
 def whole_pass_case() -> Case:
-    """Return the pass of the dissertation's tool from the start to the strike.
+    """Return the case of a pass of the dissertation's tool, from the start to the strike.
 
-    The bristle starts radial, 90 degrees before the workpart.
+    The bristle starts radial, and the hub starts 90 degrees before the workpart's normal.
     """
     exact = state_at_strike(
         simulate_reference(Tool(), accuracy=REFERENCE_ACCURACY, stop_after="strike")
@@ -173,10 +185,10 @@ def whole_pass_case() -> Case:
 
 
 def state_at_strike(run: Trajectory) -> tuple[float, float, float]:
-    """Return the state at the first contact with the workpart.
+    """Return the bristle's state, relative to the hub, at its first contact with the workpart.
 
     Returns:
-        Time (s), relative angle (rad) and relative rate (rad/s). All three are NaN if there is no
+        Time (s), angle (rad) and angular velocity (rad/s). All three are NaN if there is no
         contact.
     """
     contact = run.first_contact("workpart")

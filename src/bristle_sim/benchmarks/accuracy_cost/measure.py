@@ -24,9 +24,10 @@ OURS = "bristle_sim"
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Result of a run: the answer found for a case, and the number of steps.
+    """The computed answer of a case, and the number of integration steps that it took.
 
-    For a method without fixed steps, ``steps`` counts the evaluations of the right-hand side.
+    For the integrators of SciPy's ``solve_ivp`` and ``ode``, ``steps`` is the number of evaluations
+    of the right-hand side.
     """
 
     values: tuple[float, ...]
@@ -35,13 +36,13 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """One method with one setting, applied to one case.
+    """A method with one value of its accuracy setting, to be run on one case.
 
     Attributes:
         method: name of the method; it begins with the name of the package.
-        setting: the setting in words.
-        run: function that is timed.
-        passes: number of answers that one run computes; the CPU time is divided by this number.
+        setting: the setting as text, for example ``accuracy=1e-06``.
+        run: function that computes the answer; its CPU time is measured.
+        passes: number of passes that one run computes. The measured CPU time is divided by it.
     """
 
     method: str
@@ -52,7 +53,7 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Measured error, CPU time (s) and number of steps of an attempt.
+    """Error, CPU time (s) and number of steps that were measured for one attempt.
 
     A failed attempt has an infinite error, and ``failure`` states the reason.
     """
@@ -72,9 +73,13 @@ Tried = TypeVar("Tried", Attempt, Point)
 def attempts(
     method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]
 ) -> list[Attempt]:
-    """Return one attempt for each value of a method's setting.
+    """Return one attempt for each value of a method's accuracy setting.
 
-    The values must go from coarse to fine.
+    Args:
+        method: name of the method.
+        setting: format of the setting's text, for example ``accuracy={:g}``.
+        run: function that computes the answer with a value of the setting.
+        values: values of the setting, from coarse to fine.
     """
     return [Attempt(method, setting.format(value), partial(run, value)) for value in values]
 
@@ -85,7 +90,7 @@ def package_of(method: str) -> str:
 
 
 def by_method(tried: Iterable[Tried]) -> list[list[Tried]]:
-    """Return attempts or points grouped by method, one list for each method."""
+    """Group attempts or points by method, and return one list for each method."""
     methods: dict[str, list[Tried]] = {}
     for each in tried:
         methods.setdefault(each.method, []).append(each)
@@ -93,8 +98,10 @@ def by_method(tried: Iterable[Tried]) -> list[list[Tried]]:
 
 
 def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
-    """Measure the error of every attempt, then the CPU time of each attempt that raised no
-    exception.
+    """Measure the error and the CPU time of every attempt at a case.
+
+    An attempt that raises an exception is not timed. ``rounds`` is the number of times that the
+    others are timed; the least time counts.
     """
     points = list[Point]()
     working = list[Attempt]()
@@ -124,9 +131,9 @@ BLOCK = 4e-3
 
 
 def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
-    """Return the least CPU time of each action (s) over several rounds.
+    """Return the CPU time of each action (s), the least of several measurements.
 
-    In a round all actions are timed one after the other, with warm caches.
+    In each of the ``rounds`` all actions are timed one after the other, with warm caches.
     """
     timers = [timeit.Timer(action, timer=clock.process_time) for action in actions]
     counts = [math.ceil(BLOCK / max(timer.timeit(1), 1e-7)) for timer in timers]
@@ -140,11 +147,11 @@ def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
 
 
 def cheapest(points: Iterable[Point], target: float) -> Point | None:
-    """Return the cheapest of the points that meet a target error; None if no point does.
+    """Return the point with the least CPU time among those whose error is at most ``target``.
 
-    A point counts only if the next finer setting of its method meets the target too. Otherwise the
-    point may be accurate only because the error happens to change its sign there. The points of one
-    method must go from coarse to fine.
+    A point qualifies only if the next finer setting of its method meets the target too. A single
+    accurate point may be accidental, since the error may change its sign there. The points of one
+    method must go from coarse to fine. The result is None if no point qualifies.
     """
     candidates = []
     for own in by_method(point for point in points if not point.failure):

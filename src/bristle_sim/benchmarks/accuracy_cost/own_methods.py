@@ -19,16 +19,21 @@ from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
+"""Requested accuracies, from coarse to fine."""
+
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
+"""Numbers of equal engine steps of a flight."""
+
 PASSES = 4096
-"""Number of passes that one attempt computes at once, in arrays."""
+"""Number of passes that one attempt by ``ensemble`` computes at once."""
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a flight by the public function and by the time steppers alone.
+    """Return this project's attempts at a flight, by three methods.
 
-    The time steppers share a scene that is built before the timing, as other packages compile their
-    models before it.
+    The methods are the public function ``simulate``, the extrapolation integrator alone, and equal
+    engine steps. The last two use a model that is built before the timing, as the other packages
+    do.
     """
     scene, units = build_tool(case.tool, hub_start=0.0)
     hub_speed = scene.mechanism.hub_speed
@@ -36,15 +41,13 @@ def flight_attempts(case: Case) -> list[Attempt]:
     end = case.duration / units.time
 
     def simulated(accuracy: float) -> Run:
-        """Simulate the flight by the public function at a requested accuracy."""
+        """Simulate the flight by the public function ``simulate`` with a requested accuracy."""
         settings = Settings(accuracy=accuracy, hub_turn=case.tool.hub.speed * case.duration)
         run = simulate(case.tool, settings, start_relative_angle=-case.retraction)
         return Run((float(run.relative_angle[-1]), float(run.relative_rate[-1])), run.cost.steps)
 
     def extrapolated(tolerance: float) -> Run:
-        """Integrate the flight by the extrapolation stepper, in intervals of the length that it
-        proposes.
-        """
+        """Integrate the flight by the extrapolation integrator, which chooses its own intervals."""
         stepper = Extrapolation(tolerance)
         state = start
         before = scene.steps
@@ -56,8 +59,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return flown(state.angles[0], state.rates[0], before)
 
     def plain(count: int) -> Run:
-        """Integrate the flight by equal engine steps, with the engine's own correction of the
-        joints.
+        """Integrate the flight in ``count`` equal engine steps.
+
+        The engine itself corrects position errors of the joints.
         """
         before = scene.steps
         scene.place(start)
@@ -69,13 +73,14 @@ def flight_attempts(case: Case) -> list[Attempt]:
         return flown(angle, rate, before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
-        """Return the bristle's angle and rate relative to the hub, in SI units, and the number of
-        steps.
+        """Return the bristle's final state relative to the hub, and the number of engine steps.
+
+        The angle is in rad, the angular velocity in rad/s.
 
         Args:
-            angle: absolute angle of the bristle, rad.
-            rate: absolute rate of the bristle in scene units.
-            before: number of engine steps before the flight.
+            angle: final absolute angle of the bristle, rad.
+            rate: final absolute angular velocity of the bristle, in scene units.
+            before: count of the scene's engine steps when the flight began.
         """
         relative = (angle - scene.mechanism.root_angle(end), (rate - hub_speed) / units.time)
         return Run(relative, scene.steps - before)
@@ -88,8 +93,9 @@ def flight_attempts(case: Case) -> list[Attempt]:
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return attempts at a strike by each contact law, and by the compliant law at several
-    accuracies.
+    """Return this project's attempts at a strike, by each of its three contact laws.
+
+    The compliant law takes part with several accuracies.
     """
 
     def struck(law: str, accuracy: float) -> Run:
@@ -106,14 +112,17 @@ def strike_attempts(case: StrikeCase) -> list[Attempt]:
 
 
 def pass_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a pass by the public functions for one pass and for many passes."""
+    """Return this project's attempts at a pass, by ``simulate`` and by ``ensemble``.
+
+    ``simulate`` computes one pass; ``ensemble`` computes many passes at once.
+    """
 
     def simulated(accuracy: float) -> Run:
         run = simulate(case.tool, Settings(accuracy), stop_after="strike")
         return Run(state_at_strike(run), run.cost.steps)
 
     def in_arrays(accuracy: float) -> Run:
-        """Compute many copies of the pass at once, in arrays."""
+        """Compute ``PASSES`` copies of the pass at once by ``ensemble``."""
         many = ensemble(case.tool, accuracy=accuracy, hub_speed=[case.tool.hub.speed] * PASSES)
         columns = (many.contact_time, -many.lag_at_contact, many.relative_speed_at_contact)
         return Run(tuple(float(each[0]) for each in columns), 0)

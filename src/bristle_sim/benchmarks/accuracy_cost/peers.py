@@ -21,13 +21,13 @@ from bristle_sim.scene.tool import tool_units
 from bristle_sim.theory.cueing import centrifugal_stiffness
 
 HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
+"""Tolerances of heyoka's Taylor series, from coarse to fine."""
 
 
 def heyoka_flight(case: Case) -> list[Attempt]:
-    """Return attempts at a flight by heyoka's Taylor series, one for each tolerance of the
-    remainder.
+    """Return attempts at a flight by heyoka's Taylor series, one for each tolerance.
 
-    Each tolerance has its own compiled program.
+    The integrator for each tolerance is compiled before the timing.
     """
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
@@ -44,7 +44,7 @@ def heyoka_flight(case: Case) -> list[Attempt]:
     }
 
     def fly(tolerance: float) -> Run:
-        """Integrate the flight from its start, with the program compiled for a tolerance."""
+        """Integrate the flight from its start by the integrator compiled for this tolerance."""
         integrator = compiled[tolerance]
         integrator.time = 0.0
         integrator.state[:] = start
@@ -67,22 +67,25 @@ FREE = '<flag contact="disable" constraint="disable"/>'
 
 FLIGHT_STEPS = tuple(round(2.0 ** (power / 2.0)) for power in range(2, 27))
 PASS_STEPS = tuple(250 * 2**power for power in range(8))
+"""Numbers of steps of a flight, and of a pass until the hub has turned by ``HUB_TURN``."""
 
 STEPS_IN_CONTACT = 2.0
-"""Time constant of the bar's critically damped spring, in steps; a stiffer spring is unstable."""
+"""Time constant of the bar's critically damped spring, in time steps.
+
+With a smaller time constant the integration is unstable."""
 
 HUB_START = -0.5 * math.pi
 HUB_TURN = 0.5 * math.pi
-"""Hub angle at the start of a pass, and turn of the hub that is divided into the given number of
-steps, rad.
+"""Hub angle at the start of a pass, and angle by which the hub turns in the chosen number of steps,
+rad.
 
-The strike comes before the end of this turn."""
+The strike comes before the hub has turned by this angle."""
 
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
 
 
 def mujoco_flight(case: Case) -> list[Attempt]:
-    """Return attempts at a flight by each of MuJoCo's integrators with several numbers of steps."""
+    """Return attempts at a flight by MuJoCo, one for each integrator and number of steps."""
     return [
         attempt
         for each in INTEGRATORS
@@ -96,9 +99,10 @@ def mujoco_flight(case: Case) -> list[Attempt]:
 
 
 def mujoco_pass(case: Case) -> list[Attempt]:
-    """Return attempts at a pass by each of MuJoCo's integrators with several numbers of steps.
+    """Return attempts at a pass by MuJoCo, one for each integrator and number of steps.
 
-    The bar is a critically damped spring, whose stiffness grows as the steps get shorter.
+    In MuJoCo's model the bar is a critically damped spring. The spring is stiffer for shorter
+    steps.
     """
     return [
         attempt
@@ -112,8 +116,8 @@ def mujoco_pass(case: Case) -> list[Attempt]:
 class MujocoModel:
     """MuJoCo's compiled model of a tool: hub, bristle and bar.
 
-    The model has no workpart. The strike is taken from the first step at whose end the tip is below
-    the workpart's surface.
+    The model has no workpart. The strike lies in the first step at whose end the tip is below the
+    workpart's surface.
     """
 
     def __init__(self, tool: Tool, integrator: str) -> None:
@@ -146,17 +150,17 @@ class MujocoModel:
         self.data = self.library.MjData(self.model)
 
     def fly(self, case: Case, count: int) -> Run:
-        """Release the bristle and integrate its flight in a number of steps."""
+        """Release the bristle and integrate its flight in ``count`` equal steps."""
         self._start((0.0, -case.retraction), case.duration / self.units.time / count)
         self.library.mj_step(self.model, self.data, count)
         return Run((float(self.data.qpos[1]), float(self.data.qvel[1]) / self.units.time), count)
 
     def go(self, count: int) -> Run:
-        """Integrate the pass up to the strike; ``count`` steps take the hub through ``HUB_TURN``.
+        """Integrate a pass up to the strike; in each step the hub turns by ``HUB_TURN / count``.
 
         The steps are first made in blocks. The block in which the tip first gets below the
-        workpart's surface is then repeated step by step, and the state at the strike is
-        interpolated.
+        workpart's surface is then repeated step by step. The state at the strike is interpolated
+        linearly in the last step.
         """
         step = HUB_TURN / self.hub_speed / count
         rate = 1.0 / (STEPS_IN_CONTACT * step)
@@ -174,15 +178,19 @@ class MujocoModel:
     def _start(self, angles: tuple[float, float], step: float) -> None:
         """Reset the model to time 0, with the bristle at rest relative to the hub.
 
-        ``angles`` are the model's two hinge angles, rad; ``step`` is the time step.
+        Args:
+            angles: the hub's angle and the bristle's angle relative to the hub, rad.
+            step: the time step, in the model's units.
         """
         self.library.mj_resetData(self.model, self.data)
         self.model.opt.timestep = step
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Step block by block until the tip is below the workpart's surface, and return the state
-        before the last block.
+        """Integrate until the tip is below the workpart's surface.
+
+        The integration proceeds in blocks of ``block`` steps. The state before the last block is
+        returned.
         """
         while True:
             before = self._state()
@@ -196,6 +204,6 @@ class MujocoModel:
         return (float(self.data.time), *self.data.qpos.tolist(), *self.data.qvel.tolist())
 
     def _height(self, state: tuple[float, ...]) -> float:
-        """Return the height of the wire's end above the workpart."""
+        """Return the height of the tip above the workpart's surface, in the model's units."""
         hub_angle, angle = state[1:3]
         return self.depth - self.hub_radius * math.cos(hub_angle) - math.cos(hub_angle + angle)

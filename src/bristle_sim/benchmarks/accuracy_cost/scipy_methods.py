@@ -29,9 +29,9 @@ Slope = Callable[[float, Any], tuple[float, ...]]
 
 
 def flight_attempts(case: Case) -> list[Attempt]:
-    """Return attempts at a flight by the integrators of ``solve_ivp`` and of ``ode``.
+    """Return attempts at a flight by the integrators of SciPy's ``solve_ivp`` and ``ode``.
 
-    The loop over steps is compiled in ``ode`` alone.
+    The loop over time steps is compiled code in ``ode`` and Python code in ``solve_ivp``.
     """
     slope = _flight(case)
     return [
@@ -44,7 +44,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
 def pass_attempts(case: Case) -> list[Attempt]:
     """Return attempts at a pass by the project's independent reference solution.
 
-    The reference integrates with SciPy, and locates all events on the integrator's dense output.
+    The reference integrates with SciPy and locates all events on the integrator's dense output.
     """
 
     def passed(power: int) -> Run:
@@ -57,8 +57,9 @@ def pass_attempts(case: Case) -> list[Attempt]:
 def _flight(case: Case) -> Slope:
     """Return the right-hand side of I alpha'' = -k_T alpha - m r_h (L/2) omega^2 sin alpha.
 
-    The angle alpha is in units of the retraction at the start, the rate in units of the highest
-    rate.
+    I is the bristle's moment of inertia about its root, k_T the belt's stiffness, m and L are the
+    bristle's mass and length, r_h is the hub's radius and omega its angular velocity. The angle
+    alpha is divided by its initial magnitude, and the angular velocity alpha' by its largest value.
     """
     tool = case.tool
     retraction, highest = case.scale
@@ -77,14 +78,15 @@ def _flight(case: Case) -> Slope:
 
 
 def _flown(case: Case, slope: Slope, method: str, tolerance: float) -> Run:
-    """Integrate the flight from rest at the retraction, where the angle is -1 in units of the
-    retraction.
+    """Integrate the flight from rest and return the final state.
+
+    The angle is divided by its initial magnitude, so that it starts at -1.
     """
     calls = itertools.count()
     start = (-1.0, 0.0)
 
     def counted(time: float, state: Any) -> list[float]:
-        """Return the right-hand side, and count the call."""
+        """Return the right-hand side, and count this evaluation."""
         next(calls)
         # A list: before SciPy 1.17 the compiled code treats a tuple as several return values.
         return list(slope(time, state))

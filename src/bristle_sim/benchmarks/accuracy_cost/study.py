@@ -1,6 +1,6 @@
-"""The study of accuracy and cost: every case solved by every installed method, with tables.
+"""Error against CPU time: every case is solved by every installed method.
 
-It compares the CPU time of this project with the CPU time of the cheapest other package (peer).
+The tables compare the CPU time of this project with that of the fastest other package (peer).
 """
 
 from __future__ import annotations
@@ -48,8 +48,9 @@ CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
     (cases.double_pendulum, STRIKE),
     (cases.whole_pass_case, PASS),
 )
-"""Functions that build the cases, each with the functions that return the packages' attempts at the
-case."""
+"""The functions that build the cases.
+
+Beside each are the functions that return the attempts of the packages at the case."""
 
 TARGETS = {
     "release_flight": (1e-3, 1e-6, 1e-9),
@@ -70,8 +71,8 @@ REQUESTED = {
     "double_pendulum": ("bristle_sim compliant", 1e-6),
     "whole_pass": ("bristle_sim simulate", 1e-9),
 }
-"""The method of each case that takes a requested accuracy, and the finest accuracy at which its
-error is judged.
+"""By case: the method whose error is compared with the accuracy requested of it, and the finest
+requested accuracy at which they are compared.
 
 At finer accuracies other errors prevail: rounding errors in the flight and in the penetrations of a
 short contact, and the error of the pass's reference."""
@@ -85,12 +86,12 @@ QUICK_SETTINGS = 2
 
 @dataclasses.dataclass(slots=True)
 class AccuracyCost:
-    """Results of the study.
+    """Results of the measurements of accuracy and CPU time.
 
     Attributes:
         cases: the cases measured so far.
         points: the measured points, in the order of measurement.
-        missing: reason why a package takes no part, by package.
+        missing: reason why a package was not measured, by the package's name.
     """
 
     cases: tuple[Case, ...] = ()
@@ -98,19 +99,20 @@ class AccuracyCost:
     missing: dict[str, str] = dataclasses.field(default_factory=dict)
 
     def of(self, case: str) -> list[Point]:
-        """Return the measured points of a case, by the name of the case."""
+        """Return the measured points of the case with this name."""
         return [point for point in self.points if point.case == case]
 
 
 class Comparison(NamedTuple):
-    """The cheapest measurements of one case, ours and another package's, that meet a target error.
+    """The fastest own and the fastest other method that solve a case to a target error.
 
     Attributes:
         case: name of the case.
-        target: target error.
-        ours: the cheapest of this project's methods that integrate in time; None if no method
-            meets the target.
-        peer: the cheapest method of all other packages; None if none meets the target.
+        target: the target error.
+        ours: the point of this project's fastest method that integrates in time. It is None if no
+            method meets the target.
+        peer: the point of the fastest method of all other packages. It is None if no method meets
+            the target.
     """
 
     case: str
@@ -120,11 +122,12 @@ class Comparison(NamedTuple):
 
 
 def accuracy_cost(effort: Effort) -> Report:
-    """Measure every case, and compare the CPU time of this project with that of the cheapest other
-    package at the same error.
+    """Measure all cases, and compare CPU times at the same error.
+
+    The time of this project is compared with that of the fastest other package.
 
     Raises:
-        Unfinished: if the user interrupts the measurement; the exception carries a report of the
+        Unfinished: if the user interrupts the measurement. The exception carries a report of the
             cases measured so far.
     """
     begin = clock.perf_counter()
@@ -181,10 +184,10 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
 def _offered(
     name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]
 ) -> list[Attempt]:
-    """Return a package's attempts at a case; an empty list if the package fails.
+    """Return a package's attempts at a case.
 
-    Another package may be installed and still fail at its import or at the construction of its
-    model.
+    Another package may be installed and still fail at its import or when it builds its model. The
+    list is then empty, and ``missing`` receives the reason under the package's name.
     """
     try:
         return offer(case)
@@ -196,9 +199,7 @@ def _offered(
 
 
 def comparisons(measured: AccuracyCost) -> list[Comparison]:
-    """Return the cheapest points of this project and of the other packages, for each case and
-    target error.
-    """
+    """Compare the fastest methods, one comparison for each case and each of its target errors."""
     found = []
     for case in measured.cases:
         points = [each for each in measured.of(case.name) if each.method not in NOT_IN_TIME]
@@ -212,10 +213,10 @@ def comparisons(measured: AccuracyCost) -> list[Comparison]:
 
 
 def _rows(measured: AccuracyCost) -> list[Quantity]:
-    """Return the quantities of the report: CPU times, and errors over the requested accuracy.
+    """Return the quantities of the report: CPU times, and errors divided by the requested accuracy.
 
-    In a row of CPU times ``simulated`` is the time of this project, and ``reference`` the time of
-    the cheapest other package.
+    Among the CPU times, ``simulated`` is the time of this project, and ``reference`` the time of
+    the fastest other package.
     """
     rows = []
     for each in comparisons(measured):
@@ -235,8 +236,9 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
 
 
 def _answer(measured: AccuracyCost) -> str:
-    """Return the sentence with the CPU times of this project and of the cheapest other package at
-    each case's smallest target error.
+    """Return a sentence with the CPU times at the smallest target error of each case.
+
+    The times are those of this project and of the fastest other package.
     """
     costs = []
     for each in comparisons(measured):
@@ -260,7 +262,7 @@ DECADES = tuple(10.0**-power for power in range(1, 11))
 
 
 def _tables(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
-    """Yield the lines to print below the comparison, wrapped to the width of a terminal."""
+    """Yield the lines printed below the report's quantities, wrapped to the terminal's width."""
     for line in _lines(measured, machine):
         indent = " " * (len(line) - len(line.lstrip()) + 4)
         yield from textwrap.wrap(line, WIDTH, subsequent_indent=indent) or [""]

@@ -27,12 +27,12 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class HardCase:
-    """One trial with the promise that it must keep; a row of the tables.
+    """A difficult simulation with the condition that its result must satisfy, the promise.
 
     Attributes:
-        name: name of the trial, with the numbers that make it hard.
-        promise: statement that must hold, with its tolerance and the origin of the tolerance.
-        measure: function that runs the trial.
+        name: name of the case, with the numbers that make it hard.
+        promise: the condition in words, with its tolerance and the reason for the tolerance.
+        measure: function that runs the simulation and checks the condition.
     """
 
     name: str
@@ -40,7 +40,7 @@ class HardCase:
     measure: Callable[[], Finding]
 
     def run(self) -> Finding:
-        """Run the trial and return its result; an exception counts as a broken promise."""
+        """Run the case and return its result; an exception counts as a broken promise."""
         try:
             return self.measure()
         except Exception as error:
@@ -50,21 +50,27 @@ class HardCase:
 def hard_case(
     name: str, promise: str, measure: Callable[..., Finding], *given: Any, **named: Any
 ) -> HardCase:
-    """Return a case whose trial calls ``measure`` with the given arguments."""
+    """Return a hard case that calls ``measure`` with the arguments ``given`` and ``named``."""
     return HardCase(name, promise, partial(measure, *given, **named))
 
 
 def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
-    """Return the finding whether the magnitude of a value is at most a limit; NaN is not."""
+    """Return a finding that is ok if ``abs(value) <= limit``; a NaN is not ok.
+
+    ``figure`` names the value in the finding's text, and ``steps`` is the number of engine steps.
+    """
     return Finding(f"{figure} {value:.2g}", abs(value) <= limit, steps)
 
 
 def all_of(*findings: Finding) -> Finding:
-    """Join several findings into one, which keeps the promise if each of them does."""
+    """Combine several findings into one, which is ok if all of them are."""
     words = "; ".join(each.reached for each in findings)
     return Finding(words, all(each.ok for each in findings), sum(each.steps for each in findings))
 
 
 def worst(values: Iterable[float]) -> float:
-    """Return the largest magnitude of the values; 0 without values, NaN if any value is NaN."""
+    """Return the largest magnitude of the values.
+
+    It is 0 if there are no values, and NaN if a value is NaN.
+    """
     return float(np.max(np.abs([0.0, *values])))

@@ -1,5 +1,5 @@
-"""Hard cases of lasting contact: infinitely many impacts (taps) in a finite time, and contact with
-bar and workpart at once.
+"""Hard cases of contact: infinitely many impacts (taps) in a finite time, and simultaneous contact
+with bar and workpart.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ rest."""
 
 
 def chatter() -> Iterator[HardCase]:
-    """Yield repeated impacts on the bar by a wire on a stiff, damped belt, and falls of a hinged
-    wire on the workpart.
+    """Yield cases of a wire that bounces ever faster on an obstacle until it lies on it.
 
-    An impact with the coefficient of restitution e leaves the fraction e of the speed. Each
-    interval between impacts is therefore e times as long as the interval before.
+    Two wires on a stiff, damped belt bounce on the bar. Two hinged wires fall on the workpart. An
+    impact multiplies the speed by the coefficient of restitution e. Each interval between impacts
+    is therefore about e times as long as the interval before.
     """
     pressed = TOOL.replace(
         belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None
@@ -62,10 +62,10 @@ def chatter() -> Iterator[HardCase]:
 def _chatters(
     name: str, tool: Tool, obstacle: str, e: float, settings: Settings, start: Start
 ) -> HardCase:
-    """Return a case whose repeated impacts must end in rest on the obstacle.
+    """Return a case whose repeated impacts must end with the bristle resting on the obstacle.
 
-    The number of impacts must be at most twice the number that reduces the speed to ``SLOWEST``.
-    The factor 2 allows for the motion between the impacts.
+    The permitted number of impacts is twice the number n at which e^n = ``SLOWEST``. The factor 2
+    allows for the motion between the impacts.
     """
     most = math.ceil(2.0 * math.log(SLOWEST) / math.log(e))
     promise = f"at most {most} taps, no energy gained; then in contact"
@@ -75,8 +75,9 @@ def _chatters(
 def _comes_to_rest(
     tool: Tool, obstacle: str, most: int, settings: Settings, start: Start
 ) -> Finding:
-    """Return the finding whether 2 to ``most`` impacts end in sustained contact, and no impact
-    gains energy.
+    """Check that impacts on an obstacle end in sustained contact.
+
+    There must be 2 to ``most`` impacts, none of which gains energy.
     """
     run = simulate(tool, settings, **start)
     sustained = [
@@ -98,15 +99,17 @@ def _comes_to_rest(
 
 
 WEDGE: Start = {"start_hub_angle": -0.9, "start_relative_angle": 1.2}
-"""Start of a bristle that leans forward over the workpart, with the bar ahead of it."""
+"""State at the start of a bristle that leans forward over the workpart; the bar is ahead of it."""
 
 PINNED: Start = {"start_hub_angle": -0.3, "start_relative_angle": 0.6}
-"""Start of a bristle that touches the bar and the workpart."""
+"""State at the start of a bristle that touches both the bar and the workpart."""
 
 
 def touching() -> Iterator[HardCase]:
-    """Yield a strike of a wire that also touches the bar, a wire wedged between bar and workpart,
-    and a bristle between bar and workpart that stays at rest.
+    """Yield cases of a wire in contact with the bar and the workpart at once.
+
+    One wire strikes the workpart while it touches the bar. One is wedged between bar and workpart.
+    One lies at rest between them.
     """
     # A near bar and a deep workpart: the bar lowers the tip onto the workpart and at last folds the
     # bristle.
@@ -131,14 +134,14 @@ def touching() -> Iterator[HardCase]:
 def between(
     hub_angle: float, angle: float, *, at: float = 0.8, bar_gap: float = 0.0, gap: float = 0.0
 ) -> Tool:
-    """Return a tool whose bar and workpart stand at given gaps (m) from its bristle.
+    """Return a tool whose bar and workpart are at given distances from its bristle.
 
     The bar stands ahead of the wire. Neither obstacle has friction or restitution.
 
     Args:
         hub_angle: hub angle, rad.
         angle: absolute angle of the bristle, rad.
-        at: distance of the bar along the wire from the root, over the bristle's length.
+        at: distance along the wire from its root to the bar, as a fraction of the wire's length.
         bar_gap: gap between wire and bar, m.
         gap: gap between tip and workpart, m.
     """
@@ -156,9 +159,9 @@ def between(
 
 
 def _jams() -> Finding:
-    """Return the finding whether the run of a wedged wire ends with a jam at the right instant.
+    """Check that the run of a wedged wire stops with a jam, and at the right time.
 
-    The wire jams when its flank meets the bar while the tip is on the workpart.
+    The wire jams when its side meets the bar while the tip is on the workpart.
     """
     begin = WEDGE["start_hub_angle"]
     tool = between(begin, 0.3, bar_gap=2e-4, gap=2e-4)
@@ -167,8 +170,10 @@ def _jams() -> Finding:
     bar_x, bar_y = tool.bar.centre
 
     def gap(hub_angle: float) -> float:
-        """Return the gap between the wire's flank and the bar (m), while the tip is on the
-        workpart."""
+        """Return the gap between bar and wire (m) at a hub angle (rad).
+
+        The tip is on the workpart.
+        """
         angle = math.acos((tool.workpart_depth - ROOT * math.cos(hub_angle)) / LENGTH)
         x = bar_x - ROOT * math.sin(hub_angle)
         y = bar_y + ROOT * math.cos(hub_angle)

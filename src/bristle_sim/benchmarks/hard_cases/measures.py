@@ -1,4 +1,4 @@
-"""Comparisons of runs and strikes with the reference, with closed forms and with step budgets."""
+"""Comparisons of simulations with the reference solution, the energy integral and closed forms."""
 
 from __future__ import annotations
 
@@ -25,11 +25,17 @@ MORE_ACCURATE = 1e-3
 """Ratio of the reference's requested accuracy to that of the compared run."""
 
 AS_REFERENCE = "end and strike as in the reference to {:g}, the requested accuracy"
+"""Promise of a case that is compared with the reference; the number is the tolerance."""
+
 IMPACT_LAWS = ("energetic", "compliant", "engine")
+"""Laws of contact records that are impacts; all other records are sustained contacts."""
 
 
 class Start(TypedDict, total=False):
-    """State at the start of a run, in rad and rad/s; an absent entry takes its default."""
+    """Angles (rad) and relative angular velocity (rad/s) at the start of a run.
+
+    An absent entry takes the default of the simulation.
+    """
 
     start_hub_angle: float
     start_relative_angle: float
@@ -37,10 +43,11 @@ class Start(TypedDict, total=False):
 
 
 RELEASED: Start = {"start_relative_angle": -RETRACTION_AT_RELEASE}
+"""State at the start of a bristle that is released at rest relative to the hub."""
 
 
 def impacts_of(run: Trajectory, obstacle: str) -> list[ContactRecord]:
-    """Return the impacts of a run on an obstacle, in order of time."""
+    """Return the impacts on an obstacle in a run, in order of time."""
     return [each for each in run.contacts if each.law in IMPACT_LAWS and each.obstacle == obstacle]
 
 
@@ -52,9 +59,10 @@ def agrees_with_reference(
     stop_after: str | None = None,
     hub_turn: float = 1.5 * math.pi,
 ) -> Finding:
-    """Compare a run with the reference: stop reason, last state and first strike.
+    """Check that a simulation agrees with the reference solution.
 
-    The accuracy requested of the run is ``limit``.
+    The stop reasons must be equal. The last states and the first strikes must agree within
+    ``limit``, which is also the accuracy requested of the simulation.
     """
     # Imported here, so that themes without a reference do not load its integrator.
     from bristle_sim.reference import simulate_reference
@@ -74,10 +82,10 @@ def agrees_with_reference(
 
 
 def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
-    """Return the relative differences between the first strikes of two runs, in time, angle, rates
-    and impulse.
+    """Return the relative differences between the first strikes of two runs.
 
-    If only one of the runs has a strike, the list holds NaN.
+    They are those of time, angle, angular velocities before and after, and impulse. The list holds
+    NaN if only one run has a strike; it is empty if neither has.
     """
     one, two = run.first_contact("workpart"), other.first_contact("workpart")
     if one is None or two is None:
@@ -94,8 +102,9 @@ def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
 
 
 def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
-    """Compare the highest rate after an undamped release from rest, and its time, with the energy
-    integral.
+    """Check the highest angular velocity after an undamped release from rest, and its time.
+
+    The expected values follow from the energy integral.
     """
     run = simulate(
         tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed"
@@ -107,9 +116,11 @@ def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
 
 
 def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: float) -> Finding:
-    """Compare strikes of one or two rods with the closed forms (Zhang 2020, ch. 2).
+    """Check simulated strikes of one or two rods against the closed forms (Zhang 2020, ch. 2).
 
-    Each strike is a chain with its friction and restitution.
+    Args:
+        strikes: for each strike, the rods, the coefficient of friction and that of restitution.
+        limit: largest permitted relative difference.
     """
     off = []
     alike = True
@@ -133,7 +144,7 @@ def _closed_form(
     """Return the result of a strike of one or two rods by its closed form.
 
     Returns:
-        Rates after the impact (rad/s), the normal impulse (N s) and the name of the outcome.
+        Angular velocities after the impact (rad/s), normal impulse (N s) and name of the outcome.
     """
     mass = chain.masses[-1]
     length = chain.lengths[0]

@@ -35,13 +35,13 @@ FINE = 1e-9
 """Requested accuracy of the more accurate runs."""
 
 BUDGET = 20_000
-"""Limit of engine steps at which the pass with the stiffest belt must stop."""
+"""Permitted number of engine steps, at which the pass with the stiffest belt must stop."""
 
 
 def released(name: str, accuracy: float, **changes: float) -> HardCase:
-    """Return the case that compares the release of a tool with the energy integral.
+    """Return a case that checks the release of a bristle against the energy integral.
 
-    ``changes`` are values of the tool's keys.
+    ``changes`` are the tool's parameters that differ from their defaults, by key.
     """
     return hard_case(
         f"{name}: released, accuracy {accuracy:g}",
@@ -53,7 +53,7 @@ def released(name: str, accuracy: float, **changes: float) -> HardCase:
 
 
 def whole(name: str, **changes: float) -> HardCase:
-    """Return the case that compares the simulated pass of a tool with the reference solution.
+    """Return a case that checks a simulated pass against the reference solution.
 
     ``changes`` are the tool's parameters that differ from their defaults, by key.
     """
@@ -62,7 +62,7 @@ def whole(name: str, **changes: float) -> HardCase:
 
 
 def belt_stiffness() -> Iterator[HardCase]:
-    """Yield releases and whole passes over nine decades of belt stiffness."""
+    """Yield releases and whole passes whose belt stiffness ranges over nine decades."""
     for factor, accuracy in ((1e-3, ACCURACY), (1.0, ACCURACY), (1e6, FINE)):
         yield released(f"belt x {factor:g}", accuracy, belt_stiffness=factor * STIFFNESS)
     for factor in (1e-3, 10.0):
@@ -73,7 +73,7 @@ def belt_stiffness() -> Iterator[HardCase]:
 
 
 def _spends_budget() -> Finding:
-    """Return the finding whether the pass with the stiffest belt stops at its limit of steps."""
+    """Check that the pass with the stiffest belt stops at its permitted number of steps."""
     tool = TOOL.replace(belt_stiffness=1e6 * STIFFNESS)
     run = simulate(tool, Settings(maximum_steps=BUDGET))
     spent = run.stop_reason is StopReason.STEP_BUDGET and bool(np.isfinite(run.rates).all())
@@ -81,9 +81,9 @@ def _spends_budget() -> Finding:
 
 
 def damping() -> Iterator[HardCase]:
-    """Yield decays at damping ratios up to 100, and a whole pass.
+    """Yield free decays with damping ratios up to 100, and a whole pass with ratio 0.5.
 
-    A decay ends while the bristle still moves.
+    A decay is compared at a time at which the bristle still moves.
     """
     promise = AS_REFERENCE.format(ACCURACY)
     for ratio, turn in ((0.5, 0.5), (1.0, 0.5), (100.0, 0.2)):
@@ -94,8 +94,9 @@ def damping() -> Iterator[HardCase]:
 
 
 def hub_speed() -> Iterator[HardCase]:
-    """Yield the release on a resting hub, whole passes at hub speeds up to 1e5 rad/s, and a slow
-    pass without belt stiffness.
+    """Yield cases with hub speeds from 0 to 1e5 rad/s.
+
+    They are a release on a resting hub, whole passes, and a slow pass without belt stiffness.
     """
     yield released("0 rad/s", FINE, hub_speed=0.0)
     for speed in (0.0, 1e3, 1e5):
@@ -107,15 +108,14 @@ TIP = TOOL.hub.radius + TOOL.bristle.length
 """Radius of the circle on which the tip of a radial bristle moves, m."""
 
 THINNEST = 1.001 * LEAST_REACH * TOOL.bristle.length
-"""Radius (m), just above that of the thinnest bar accepted with a wire of zero width."""
+"""Radius of a thin bar, m: 0.1 % larger than the smallest that a wire of zero diameter permits."""
 
 
 def tunnelling() -> Iterator[HardCase]:
-    """Yield passes at many accuracies and hub speeds, with bars far thinner than the tip's path in
-    a step.
+    """Yield passes in which the tip moves in one step much farther than the bar is thick.
 
-    A straight bristle without gravity remains radial until it touches an obstacle. Geometry
-    therefore gives the instant of the touch.
+    A straight bristle without gravity remains radial until it touches an obstacle. The exact time
+    of the touch therefore follows from geometry.
     """
     for accuracy in (0.1, 1e-6, 1e-11):
         name = f"accuracy {accuracy:g}, hub 1 to 1e5 rad/s, bars from {THINNEST:.1g} m and the workpart"
@@ -125,19 +125,23 @@ def tunnelling() -> Iterator[HardCase]:
 
 BAR_DISTANCE = 0.9 * TIP
 BAR_ANGLE = 1.2
-"""Distance of the bar from the hub's axis (m) and angle by which the bar stands before the
-workpart's normal, rad."""
+"""Position of the bar: distance from the hub's axis (m), and angle from the workpart's normal
+towards the arriving bristle (rad)."""
 
 
 def with_bar(radius: float) -> Tool:
-    """Return a tool with a bar of a given radius inside the tip's circle, and a wire of no width."""
+    """Return a tool with a wire of zero diameter and a bar of this radius (m).
+
+    The bar stands inside the circle on which the tip moves.
+    """
     bar = Bar(radius, BAR_DISTANCE * math.sin(BAR_ANGLE), BAR_DISTANCE * math.cos(BAR_ANGLE))
     return TOOL.replace(bar=bar, wire_diameter=0.0, bristle_mass=TOOL.bristle.mass)
 
 
 def _meets(accuracy: float) -> Finding:
-    """Compare the simulated instants at which bristles touch bars and the workpart with the instants
-    that geometry gives.
+    """Check the times at which bristles first touch the bar or the workpart.
+
+    The exact times follow from geometry.
     """
     settings = Settings(accuracy=accuracy, samples_per_period=1)
     # Angles of a radial bristle to the workpart's normal at the touch, rad.
@@ -159,7 +163,7 @@ def _meets(accuracy: float) -> Finding:
 
 
 def long_run() -> Iterator[HardCase]:
-    """Yield free oscillations over up to a thousand revolutions of the hub, at two accuracies."""
+    """Yield free oscillations during 10 and 1000 revolutions of the hub."""
     promise = "energy in the hub's frame changes by {0:g} a turn at most, the requested accuracy"
     for turns, accuracy in ((10, 1e-9), (1000, 1e-6)):
         name = f"{turns} hub turns, accuracy {accuracy:g}"
@@ -167,10 +171,12 @@ def long_run() -> Iterator[HardCase]:
 
 
 def _swings(accuracy: float, turns: int) -> Finding:
-    """Check that a free oscillation conserves Jacobi's integral, the energy in the hub's frame.
+    """Check that a free oscillation conserves the energy in the hub's frame, Jacobi's integral.
 
-    It is I alpha'^2/2 + k_T alpha^2/2 + m r_h (L/2) omega^2 (1 - cos alpha). Its relative change
-    must be at most ``accuracy`` in a revolution of the hub.
+    This energy is I alpha'^2/2 + k_T alpha^2/2 + m r_h (L/2) omega^2 (1 - cos alpha). Its relative
+    change per revolution of the hub must be at most ``accuracy``. alpha is the bristle's angle
+    relative to the hub, I its moment of inertia about the root, k_T the belt's stiffness, m and L
+    are the bristle's mass and length, r_h is the hub's radius and omega its angular velocity.
     """
     settings = Settings(
         accuracy, maximum_steps=10**9, hub_turn=turns * math.tau, samples_per_period=6

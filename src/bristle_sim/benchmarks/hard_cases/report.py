@@ -30,18 +30,18 @@ TABLES = {
         contact.touching,
     )
 }
-"""Functions that yield the cases, by theme; a theme has the name of its function."""
+"""Functions that yield the cases of a theme, by the name of the theme."""
 
 Tried = Mapping[str, Sequence[tuple[HardCase, Finding]]]
 """Cases with their results, by theme."""
 
 
 def hard_cases(requested: HardCaseChoice) -> Report:
-    """Try the requested cases, one after the other.
+    """Run the requested hard cases one after the other, and report their results.
 
     Raises:
-        Unfinished: if the user interrupts the computation; the exception carries a report of the
-            cases tried so far.
+        Unfinished: if the user interrupts the computation. The exception carries a report of the
+            themes whose cases were run.
     """
     begin = clock.perf_counter()
     themes = tuple(TABLES) if requested.theme == "all" else (requested.theme,)
@@ -60,8 +60,9 @@ def hard_cases(requested: HardCaseChoice) -> Report:
 
 
 def _report(tried: Tried, wall_s: float) -> Report:
-    """Return the report, which compares the number of kept promises with the number of cases in
-    each theme.
+    """Return the report of the hard cases that were run.
+
+    Its quantities are the number of kept promises in each theme, compared with the number of cases.
     """
     quantities = []
     rows = []
@@ -92,8 +93,9 @@ def _report(tried: Tried, wall_s: float) -> Report:
 
 
 def answer(tried: Tried) -> str:
-    """Return the sentence that says whether all cases keep their promise, and lists the cases that
-    break it.
+    """Return a sentence that says whether all cases keep their promises.
+
+    If not, it lists the cases that break their promises.
     """
     number = sum(map(len, tried.values()))
     broken = [

@@ -33,10 +33,12 @@ EPSILON = 2.0**-52
 
 RATE = 845.0
 RESTITUTION = 0.42
-"""Rate (rad/s) and coefficient of restitution of a rod that strikes like the bristle."""
+"""Angular velocity (rad/s) and coefficient of restitution in the strike of a single rod.
+
+They are close to those of the bristle."""
 
 TWO_ROD_ROUNDING = 1e-12
-"""Largest relative error of rates and impulses of two rods.
+"""Largest permitted relative error of angular velocities and impulses of two rods.
 
 It is a rounding error of 1e-15, magnified 1/sin^2(10 deg) = 33 times by the small angle between the
 rods, and 30 times by the phases of the impact."""
@@ -48,13 +50,14 @@ MOTIONS = {
     "reverse slip": ((0.1, 0.2), 0.3),
     "stick": ((-1.0, 1.1), 5.0),
 }
-"""Rates of two rods (rad/s) and their friction coefficient, by the motion of the tip in the impact.
+"""Angular velocities of two rods (rad/s) and coefficient of friction, by the motion of the tip.
 
-The tip slips to the end of the impact, or its slip stops and it then slips back or sticks."""
+In the impact the tip slips to the end (slip), or it stops and then slips back (reverse slip) or
+sticks (stick)."""
 
 
 def mass_ratio() -> Iterator[HardCase]:
-    """Yield impacts of two rods whose mass ratio is 1e-9 to 1e12."""
+    """Yield impacts of two rods whose ratio of masses is 1e-9, 1e-3 or 1e12."""
     promise = f"phases of the closed form, its rates and impulse to {TWO_ROD_ROUNDING:g}, e* of 0, 0.5 and 1"
     for ratio, motion in ((1e-9, "slip"), (1e-3, "reverse slip"), (1e12, "stick")):
         rates, friction = MOTIONS[motion]
@@ -65,7 +68,7 @@ def mass_ratio() -> Iterator[HardCase]:
 
 
 ROUNDINGS = 40
-"""Largest relative error of an impulse, in units of machine epsilon.
+"""Largest permitted relative error of an impulse, in units of machine epsilon.
 
 It counts the rounding errors of the friction coefficient, of sine, cosine and their products, and
 of the inverse mass matrix at the contact, in the scene and in the closed form. Near the jam it is
@@ -89,21 +92,21 @@ LEANING = Tool(belt=Belt(stiffness=0.0), bar=None, workpart=Workpart(penetration
 workpart."""
 
 THROWN: Start = {"start_hub_angle": -0.7, "start_relative_angle": 1.2}
-"""Start of this bristle, ahead of the radial direction."""
+"""State at the start of the bristle of ``LEANING``: it is ahead of the radial direction."""
 
 ROD_ANGLES = tuple(map(math.radians, (1.0, 23.4, 60.0, 89.0)))
 """Angles between the rod and the workpart's normal, rad."""
 
 
 def jam() -> Iterator[HardCase]:
-    """Yield strikes of one rod and of two rods, and passes, each with friction just below and just
-    above a critical value.
+    """Yield strikes and passes with friction just below and just above a critical value.
 
-    One rod has the critical friction tan(gamma), where gamma is its angle to the normal. From this
-    friction on, a rod that is pulled over the surface does not leave it (stiction), and a rod that
-    is pushed is not stopped by the normal impulse (jam). Two rods have two critical frictions:
-    above one the tip sticks when its slip has stopped, and above the other the slip drives the tip
-    into the surface.
+    The critical coefficient of friction of one rod is tan(gamma), where gamma is the angle between
+    the rod and the normal. With at least this friction, a rod that is pulled over the surface does
+    not leave it (stiction), and the normal impulse does not stop a rod that is pushed (jam).
+
+    Two rods have two critical coefficients. Above the first the tip, once its slip has stopped,
+    sticks. Above the second the slip drives the tip into the surface.
     """
     for distance in (1e-3, 1e-9):
         strikes = [
@@ -138,9 +141,9 @@ def _rod(angle: float) -> Chain:
 
 
 def _passes_near_jam(tool: Tool, start: Start) -> Finding:
-    """Compare a pass with friction just below the jam, and one just above, with the reference.
+    """Check two passes against the reference: with friction just below the jam, and just above it.
 
-    A first run gives the angle of the strike, which does not depend on friction.
+    A preliminary run gives the angle of the strike, which determines the friction at the jam.
     """
     first = impacts_of(simulate(tool, Settings(1e-10), stop_after="strike", **start), "workpart")[0]
     edge = math.tan(abs(first.angles[0]))
@@ -151,14 +154,16 @@ def _passes_near_jam(tool: Tool, start: Start) -> Finding:
 
 
 TOUCH_GAP = 1e-12
-"""Largest gap at a touch, over the bristle's length: ten times the scene's own limit."""
+"""Largest permitted gap at the time of a touch, as a fraction of the bristle's length.
+
+It is ten times the tolerance to which the simulation locates a touch."""
 
 
 def grazing() -> Iterator[HardCase]:
     """Yield strikes at extreme angles, tips that just reach or just miss an obstacle, and a triple
     contact.
 
-    In the triple contact three points meet their obstacles at one instant.
+    In the triple contact three points touch their obstacles at the same time.
     """
     limit = 3.0 * 16.0 * EPSILON
     promise = f"outcome of the monofilament's formulas, impulse and rate to {limit:.0e}"
@@ -181,9 +186,10 @@ def grazing() -> Iterator[HardCase]:
 
 
 def _dips(obstacle: str, depth: float) -> Tool:
-    """Return a tool with one obstacle, which the circle of the undeflected tip enters by a depth.
+    """Return a tool with one obstacle, into which the circle of the undeflected tip dips.
 
-    The depth is a fraction of the bristle's length. At a negative depth the tip misses the obstacle.
+    ``depth`` is the depth of the dip as a fraction of the bristle's length. If it is negative, the
+    tip misses the obstacle.
     """
     if obstacle == "workpart":
         return TOOL.replace(bar=None, penetration=depth * LENGTH)
@@ -196,11 +202,12 @@ def _dips(obstacle: str, depth: float) -> Tool:
 
 
 def _touches(obstacle: str, depth: float) -> Finding:
-    """Check the gap at the touch of a tip whose circle enters an obstacle by a given depth.
+    """Check that the gap is almost zero when the simulation reports the touch of a grazing tip.
 
-    The tip's path is a circle, so the gap is known in closed form. The path enters the obstacle at
-    an angle of the order of the square root of the depth. Rounding error therefore takes half the
-    digits of the touch's instant, and none of the gap.
+    ``depth`` is the depth to which the tip's circle enters the obstacle, as a fraction of the
+    bristle's length. The exact gap follows from the circular path. The gap is checked and not the
+    time: the path meets the obstacle at an angle of the order of sqrt(depth), so that rounding
+    error costs half the digits of the time.
     """
     tool = _dips(obstacle, depth)
     run = simulate(tool, Settings(accuracy=1e-10))
@@ -216,8 +223,9 @@ def _touches(obstacle: str, depth: float) -> Finding:
 
 
 def _misses(distance: float) -> Finding:
-    """Check that a tip whose circle passes the bar at a given distance, over the bristle's length,
-    does not touch the bar.
+    """Check that a tip whose circle just misses the bar does not touch it.
+
+    ``distance`` is the distance between circle and bar as a fraction of the bristle's length.
     """
     run = simulate(_dips("bar", -distance), Settings(accuracy=1e-10))
     missed = run.event_time("bar not touched") is not None and not run.contacts
@@ -225,17 +233,17 @@ def _misses(distance: float) -> Finding:
 
 
 LATER = 1e-13
-"""Gap at the workpart when the wire meets the bar, m.
+"""Gap between tip and workpart when the wire meets the bar, m.
 
-The gap is small enough to count as closed, and exceeds rounding error, which would otherwise decide
-which impact comes first."""
+The simulation treats so small a gap as closed. The gap is larger than rounding error, which would
+otherwise decide which impact comes first."""
 
 
 def _three_at_once() -> Finding:
-    """Compare a pass that has three contacts at one instant with the reference.
+    """Check a pass with three simultaneous contacts against the reference.
 
-    Two links of a radial wire meet the bar at their joint when the tip meets the workpart. The bar
-    has restitution.
+    The two links of a radial wire both touch the bar at their joint while the tip strikes the
+    workpart. The bar has restitution.
     """
     cos = TOOL.workpart_depth / TIP
     reach = TOOL.bar_reach
