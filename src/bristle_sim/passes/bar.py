@@ -1,7 +1,7 @@
 """Contact of straight wires with the bar, a fixed circle: gap, velocities, and the motion of a wire
 that lies on it.
 
-All lengths are over the bristle's length: the hub's radius rho, and the distance S of the bar's
+All lengths are divided by the bristle's length: the hub's radius rho, and the distance S of the bar's
 centre from the hub's axis. The hub angle from the bar's direction is chi = psi - psi_b. The vector
 from the root to the bar's centre has the length D, D^2 = S^2 + rho^2 - 2 S rho cos chi, and the
 angle delta from the bar's direction.
@@ -25,16 +25,22 @@ from bristle_sim.passes.state import Chosen, Passes
 
 
 def half_turn(angle: Array) -> Array:
-    """Return angles reduced by whole turns to the range from -pi to pi, rad."""
+    """Return angles reduced by whole revolutions to the range from -pi to pi, rad."""
     return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
 
 
 def half_window(radius: Array, distance: Array, square: Array) -> Array:
-    """Return the largest hub angle |chi| from the bar's direction (rad) at which D^2 is at most
-    ``square``.
+    """Return the largest hub angle |chi| from the bar's direction (rad) at which D^2 <= ``square``.
 
-    The wire reaches the bar where D <= 1 + R, and with its flank rather than its end where D^2 <= 1
-    + R^2. The value is -1 if D^2 is larger at every hub angle.
+    D is the distance of the bar's centre from the root, and R the sum of the radii of bar and wire.
+    All lengths are divided by the bristle's length. The wire reaches the bar if D <= 1 + R, and
+    touches with its flank if D^2 <= 1 + R^2, otherwise with its end. The result is -1 if D^2 is
+    larger than ``square`` at every hub angle.
+
+    Args:
+        radius: radius of the hub.
+        distance: distance of the bar's centre from the hub's axis.
+        square: bound of D^2.
     """
     room = radius**2 + distance**2 - square
     double = 2.0 * radius * distance
@@ -43,7 +49,10 @@ def half_window(radius: Array, distance: Array, square: Array) -> Array:
 
 
 def flank_window(passes: Passes) -> Array:
-    """Return the largest hub angle |chi| at which the bar touches the wire's flank, rad, at least 0."""
+    """Return the largest hub angle at which the bar can touch the wire's flank (rad), at least 0.
+
+    The angle is measured from the hub angle at which the root is nearest to the bar.
+    """
     square = 1.0 + passes.reach**2
     return np.maximum(half_window(passes.radius, passes.bar_distance, square), 0.0)
 
@@ -65,8 +74,7 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
 
 
 class Closest(NamedTuple):
-    """The closest approach of wire and bar; all lengths are divided by the bristle's
-    length.
+    """The shortest distance between wire and bar; all lengths are divided by the bristle's length.
 
     Attributes:
         gap: gap between the surfaces of wire and bar.
@@ -85,8 +93,9 @@ class Closest(NamedTuple):
 
 
 def closest(passes: Passes, pose: Pose) -> Closest:
-    """Return the closest approach of wire and bar; the arrays of the pose have the shape (...,
-    passes).
+    """Return the shortest distance between each wire and the bar.
+
+    The arrays of the pose have the shape (..., passes).
     """
     moving_x = passes.radius * pose.hub_cosine
     moving_y = passes.radius * pose.hub_sine
@@ -102,16 +111,15 @@ def closest(passes: Passes, pose: Pose) -> Closest:
 
 
 class Levers(NamedTuple):
-    """Velocity of the wire's surface where it touches the bar, and its derivative with respect to
-    the wire's rate.
+    """Velocity of the point of the wire's surface that touches the bar, and its lever arms.
 
-    Lengths are over the bristle's length, and the hub angle is the time.
+    A lever arm is the derivative of a velocity component with respect to the wire's angular
+    velocity. Lengths are divided by the bristle's length, and the hub angle is the time.
 
     Attributes:
-        normal, tangential: derivatives of the normal and of the tangential velocity with respect to
-            the wire's rate.
-        normal_velocity, tangential_velocity: the two components of the velocity.
-        side: 1 for a wire behind the bar, which holds it back, and -1 for a wire ahead of it.
+        normal, tangential: lever arms of the normal and of the tangential velocity.
+        normal_velocity, tangential_velocity: components of the velocity.
+        side: 1 for a wire behind the bar, which holds the wire back, and -1 for a wire ahead of it.
     """
 
     normal: Number
@@ -122,10 +130,11 @@ class Levers(NamedTuple):
 
 
 def levers(passes: Passes, pose: Pose) -> Levers:
-    """Return the velocity of the point of the wire's surface that touches the bar, and the lever
-    arms by which the wire's rate changes this velocity.
+    """Return the velocity of the point of the wire's surface that touches the bar, and its lever
+    arms.
 
-    Both have a normal and a tangential component. The normal points from the bar to the wire; the tangent is the normal turned clockwise.
+    The normal points from the bar to the wire. The tangent is the normal rotated clockwise by a
+    right angle.
     """
     near = closest(passes, pose)
     normal = -(near.x + 1j * near.y) / near.distance
@@ -139,14 +148,14 @@ def levers(passes: Passes, pose: Pose) -> Levers:
 
 
 class Lying(NamedTuple):
-    """Motion of a wire that lies on the bar, and the force of the contact.
+    """Motion of a wire that lies on the bar, and the moment of the contact force.
 
     Attributes:
-        angle, rate, acceleration: relative angle and its two derivatives with respect to the hub
-            angle.
-        pressure: moment of the contact force about the root, over the inertia; positive for a wire
-            that presses on the bar. It is the acceleration towards the bar that a free wire would
-            have, less the actual acceleration.
+        angle, rate, acceleration: relative angle alpha (rad), and its first and second derivatives
+            with respect to the hub angle.
+        pressure: moment of the contact force about the root, divided by the wire's moment of
+            inertia; positive if the wire presses on the bar. It equals the acceleration towards the
+            bar that the wire would have without the bar, minus the actual acceleration.
     """
 
     angle: Array
@@ -192,13 +201,17 @@ LEAST_SQUARE = 1e-60
 points at the bar's centre."""
 
 Turns = tuple[Array, Array, Array]
+"""Angle (rad), and its first and second derivatives with respect to the square of a distance."""
 
 
 def _held_at_flank(passes: Passes, square: Array) -> Turns:
-    """Return the angle eta between a wire on its flank and the vector to the bar's centre, with its
-    two derivatives with respect to ``square``, D^2.
+    """Return the angle eta between a wire touched on its flank and the vector to the bar's centre.
 
-    sin eta = R/D.
+    The angle obeys sin eta = R/D, with the distance D of the bar's centre from the root and the sum
+    R of the radii of bar and wire. ``square`` is D^2.
+
+    Returns:
+        The angle (rad), and its first and second derivatives with respect to D^2.
     """
     foot = np.maximum(square - passes.reach**2, LEAST_SQUARE)
     slope = -0.5 * passes.reach / (square * np.sqrt(foot))
@@ -207,12 +220,14 @@ def _held_at_flank(passes: Passes, square: Array) -> Turns:
 
 
 def _held_at_end(passes: Passes, square: Array) -> Turns:
-    """Return the angle between a wire whose end lies on the bar and the vector from the wire's root
-    to the bar's centre, with the angle's two derivatives with respect to ``square``, D^2.
+    """Return the angle eta between a wire touched at its end and the vector to the bar's centre.
 
-    By the law of cosines the angle eta obeys cos eta = (D^2 + 1 - R^2)/(2 D), with the length 1 of
-    the wire, the distance D of the bar's centre from the root, and the distance R of the wire's end
-    from the bar's centre.
+    By the law of cosines cos eta = (D^2 + 1 - R^2)/(2 D). Here 1 is the length of the wire, D the
+    distance of the bar's centre from the root, and R the distance of the wire's end from the bar's
+    centre. ``square`` is D^2.
+
+    Returns:
+        The angle (rad), and its first and second derivatives with respect to D^2.
     """
     rest = 1.0 - passes.reach**2
     distance = np.sqrt(square)
@@ -228,7 +243,8 @@ def _held_at_end(passes: Passes, square: Array) -> Turns:
 def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:
     """Return whether friction locks each wire on the bar.
 
-    A wire is locked if a normal force together with its friction force does not push it off.
+    It does if no normal force on the wire, together with its friction force, turns the wire away
+    from the bar.
     """
     touch = levers(passes, pose_of(hub_angle, angle, rate))
     rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential

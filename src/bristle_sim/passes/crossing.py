@@ -17,13 +17,13 @@ MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
 MOST_STEPS = 10  # evaluations after which every second one halves the bracket
 
 ROOT_ERROR = 1e-13
-"""Largest error of a root, over its bracket.
+"""Largest error of a root, relative to the width of its bracket.
 
-It is the product of the last step and the secant before it, over the square of the bracket's width,
-as the function is smooth over the bracket."""
+The error is estimated as the product of the last step and the secant before it, divided by the
+square of the bracket's width, since the function is smooth within the bracket."""
 
 LAST_MOVE = 1e-3
-"""Longest last step, and longest secant before it, over the bracket's width.
+"""Longest last step, and longest secant before it, relative to the bracket's width.
 
 The value at the end of a longer secant may be so large that the step is tiny far from the root."""
 
@@ -41,9 +41,9 @@ def root(
 ) -> Array:
     """Return a root in each bracket.
 
-    A place outside its bracket is replaced by the bracket's middle. If the roots are not found
-    after a few evaluations, every second evaluation halves the bracket. The number of evaluations
-    is therefore bounded.
+    An estimate that leaves its bracket is replaced by the bracket's midpoint. If some roots are not
+    found after a few evaluations, every second evaluation halves their brackets. The number of
+    evaluations is therefore bounded.
 
     Args:
         function_of: function that takes the indices of some brackets, and returns the function
@@ -52,7 +52,7 @@ def root(
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.
         start: estimates of the roots.
-        error: largest error of a root, over its bracket.
+        error: largest error of a root, relative to the width of its bracket.
     """
     numbers = np.arange(start.size)
     going = np.ones(start.size, dtype=bool)

@@ -67,10 +67,16 @@ def ensemble(
     """Compute passes of straight rigid bristles up to and including the strike, for arrays of
     parameter values.
 
-    The law of impact is the energetic one. Between contacts the equation of motion is I alpha'' + c
-    alpha' + k_T alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0. On the bar
-    geometry gives the angle, and the wire leaves the bar where the normal force falls to zero.
-    Neither a physics engine nor a compiler is used.
+    The law of impact is the energetic one. Between contacts the wire's angle alpha from the radial
+    direction obeys
+
+        I alpha'' + c alpha' + k_T alpha + m r_h (L/2) omega^2 sin alpha
+            + m g (L/2) sin(psi + alpha) = 0,
+
+    with the wire's mass m, length L and moment of inertia I about its root, the belt's stiffness
+    k_T and damping c, the hub's radius r_h, angular velocity omega and angle psi, and gravity g.
+    While the wire lies on the bar, its angle follows from the geometry. It leaves the bar where the
+    normal force falls to zero. Neither a physics engine nor a compiler is used.
 
     >>> import bristle_sim as bs
     >>> many = bs.ensemble(hub_speed=["2000 rpm", "2500 rpm", "3000 rpm"])
@@ -78,17 +84,17 @@ def ensemble(
     [34.5, 37.9, 41.1]
 
     Args:
-        tool: tool that gives the values of all other keys; by default the dissertation's tool.
+        tool: tool that supplies the values of all other keys; by default the dissertation's tool.
         accuracy: requested relative accuracy, from 1e-11 to 0.1.
-        hub_turn: turn of the hub after which a pass ends, rad.
+        hub_turn: rotation of the hub after which a pass ends, rad.
         progress: function that is called with the fraction of finished passes.
         values: values of the tool's keys, such as ``friction=[0.2, 0.3]`` or ``bar_horizontal="50
             mm"``. A value is a number in SI units or a text with a unit. The shapes of the arrays
             must broadcast against each other.
 
     Returns:
-        The passes, in arrays of the broadcast shape. A tool that is out of range, or not computable
-        by this method, has the outcome *refused*, a reason, and NaN in place of numbers.
+        The passes, in arrays of the broadcast shape. A tool that is out of range, or that this
+        method cannot compute, has the outcome *refused*, a reason, and NaN in place of numbers.
 
     Raises:
         ValueError: for an unknown key, a text that cannot be read as a value of its key, or shapes

@@ -35,8 +35,8 @@ from bristle_sim.passes.state import (
 )
 
 LOCAL_FRACTION = 1e-3
-"""Local tolerance of a step over the requested accuracy, as the errors of a thousand steps may add
-up.
+"""Ratio of a step's local tolerance to the requested accuracy: the errors of a thousand steps may
+add up.
 
 The length of a step depends only weakly on its tolerance."""
 
@@ -48,28 +48,32 @@ At the high order of the series a larger tolerance saves little time."""
 LEAST_TOLERANCE = 1e-14  # smallest local tolerance, the size of rounding error
 
 LEAST_BEND = 0.1
-"""Distance of the wire's centre line from the bar's centre at a touch, over the bristle's length,
-below which a thinner bar does not shorten the segments of a step further. A wire that has just
-left the bar has no such bound: its end may touch again within a turn of the size of this distance."""
+"""Smallest ``reach`` that shortens the segments of a step, divided by the bristle's length.
+
+``reach`` is the distance of the wire's centre line from the bar's centre when they touch. A bar with
+a smaller one shortens the segments as if it had this value. The bound does not apply to a wire that
+has just left the bar: its end may touch the bar again after a rotation of the size of ``reach``."""
 
 BEND = 0.5
-"""Longest path of the wire's end in a segment of a step near the bar, over the distance of the
-wire's centre line from the bar's centre at a touch."""
+"""Longest path of the wire's end in a segment of a step near the bar, divided by the distance of the
+wire's centre line from the bar's centre when they touch."""
 
 FASTER = 2.0
-"""Assumed upper bound of a gap's rate within a segment that has a minimum, over the larger of its
-rates at the two ends."""
+"""Assumed bound of a gap's derivative within a segment that has a minimum, divided by the larger of
+the magnitudes of the derivative at the two ends."""
 
 EDGE = 1e-9  # tolerance, rad, within which a hub angle counts as inside the bar's window
-MINIMUM_ERROR = 1e-8  # largest error of the place of a minimum, over its segment
-BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index, the indices of its two ends
+MINIMUM_ERROR = 1e-8  # largest error of the location of a minimum, relative to its segment
+BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index: the indices of its two ends
 
 
 class Samples(NamedTuple):
     """Motion of passes at the ends of the segments of a step, shape (segments + 1, passes).
 
-    ``turn`` is the angle by which the hub has turned since the step began, ``angle`` and ``rate``
-    are relative to the hub.
+    Attributes:
+        turn: angle by which the hub has rotated since the step began, rad.
+        angle: angle of the wire relative to the hub, rad.
+        rate: derivative of this angle with respect to the hub angle.
     """
 
     turn: Array
@@ -78,8 +82,10 @@ class Samples(NamedTuple):
 
 
 def fly(passes: Passes, accuracy: float) -> Chosen:
-    """Advance bristles in flight by one step, or to the first touch within the step, and return the
-    code of each pass's new state.
+    """Advance bristles in flight by one step, or to the first touch within the step.
+
+    Returns:
+        The code of each pass's new state.
     """
     tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
     course = course_of(passes)
@@ -105,15 +111,21 @@ def fly(passes: Passes, accuracy: float) -> Chosen:
 
 
 def folds(passes: Passes) -> Chosen:
-    """Return whether each wire is ahead by more than a quarter turn, or was ever behind by more."""
+    """Return whether each wire has folded.
+
+    A wire has folded if it is more than 90 degrees ahead of the radial direction, or has ever been
+    more than 90 degrees behind it.
+    """
     return np.maximum(passes.angle, -passes.lowest) > QUARTER_TURN
 
 
 def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chosen]:
-    """Return the length of each pass's step (rad) and the indices of the passes near the bar.
+    """Return the hub's rotation in the next step of each pass (rad), and the indices of passes near
+    the bar.
 
-    A step ends at the latest with the pass, or where the wire begins to reach the bar. Near the bar
-    a step is so short that the gap has at most one minimum in each segment of the step.
+    A step ends no later than the pass, and no later than the hub angle from which the wire can
+    reach the bar. Near the bar, a step is so short that the gap has at most one minimum in each of
+    its segments.
     """
     chi = half_turn(passes.hub_angle - passes.bar_angle)
     outside = np.abs(chi) > passes.window + EDGE
@@ -132,8 +144,11 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
 
 
 def low(passes: Passes, turn: Array) -> Chosen:
-    """Return the indices of the wires whose root is low enough, during a turn of the hub, for the tip
-    of a vertical wire to reach the workpart.
+    """Return the indices of the passes whose wire can reach the workpart while the hub rotates by
+    ``turn`` (rad).
+
+    These are the passes in which the tip of a vertical wire would touch the workpart when the root
+    is lowest.
     """
     half = 0.5 * turn
     aside = np.abs(half_turn(passes.hub_angle + half)) - half
@@ -142,8 +157,9 @@ def low(passes: Passes, turn: Array) -> Chosen:
 
 
 def clearance(obstacle: int, passes: Passes, pose: Pose) -> tuple[Array, Array]:
-    """Return the gap between wire and obstacle, over the bristle's length, and the derivative of
-    the gap with respect to the hub angle.
+    """Return the gap between wire and obstacle, and its derivative with respect to the hub angle.
+
+    The gap is divided by the bristle's length. ``obstacle`` is ``BAR`` or ``WORKPART``.
     """
     if obstacle == BAR:
         found = closest(passes, pose)
@@ -159,25 +175,29 @@ def first_closing(
     samples: Samples,
     chosen: Chosen,
 ) -> tuple[Array, Array]:
-    """Find the instant in a turn of the hub at which each wire first touches an obstacle.
+    """Find the first touch of an obstacle by each wire during a step.
 
-    A gap closes in a segment of the turn if it is closed at the segment's end, or if its minimum
-    within the segment is negative.
+    A gap closes in a segment of the step if it is negative or zero at the segment's end, or if its
+    minimum within the segment is negative.
 
     Args:
         obstacle: code of the obstacle.
-        passes: passes of the wires, at the start of the turn.
+        passes: passes of the wires, at the start of the step.
         motion: motion of the wires.
         samples: motion at the ends of the segments.
         chosen: indices of the wires that may touch the obstacle.
 
     Returns:
-        The turn of the hub up to the touch (rad), infinite without a touch. The smallest minimum of
-        the gap before it, over the bristle's length, infinite without a minimum.
+        The rotation of the hub from the start of the step to the touch (rad), infinite without a
+        touch. The smallest minimum of the gap before the touch, divided by the bristle's length,
+        infinite without a minimum.
     """
 
     def gap_of(numbers: Chosen) -> Callable[[Array], tuple[Array, Array]]:
-        """Return the gap of some of the chosen passes, with its rate, as a function of the turn."""
+        """Return the function of the hub's rotation (rad) that returns gaps and their derivatives.
+
+        ``numbers`` selects the passes among those in ``chosen``.
+        """
         some, moving = passes.take(chosen[numbers]), motion(chosen[numbers])
         return lambda turn: clearance(
             obstacle, some, pose_of(some.hub_angle + turn, *moving(turn)[:2])
@@ -217,14 +237,22 @@ def first_closing(
 
 
 def _closing(gap_of: Motion, number: Chosen, segment: Array, begins: Chosen) -> Array:
-    """Return the turn of the hub (rad) at which each gap closes within its segment.
+    """Return the rotation of the hub (rad) at which each gap closes within its segment.
 
-    Newton's method starts from inverse cubic interpolation of the gaps and their rates at the ends.
-    A gap that begins at zero is divided by the turn, so that only its next zero remains.
+    Newton's method starts from inverse cubic interpolation of the gap and its derivative at both
+    ends. If the gap is zero at the segment's start, the root of gap/rotation is sought, which
+    excludes the zero at the start.
+
+    Args:
+        gap_of: function that returns gap and derivative of some passes as a function of the
+            rotation.
+        number: indices of the passes.
+        segment: rotation, gap and derivative at both ends, shape (3, 2, passes).
+        begins: whether the gap is zero at the segment's start.
     """
 
     def value_of(numbers: Chosen) -> Function:
-        """Return the gaps of some passes, with their rates, as a function of the turn."""
+        """Return the function of the hub's rotation whose roots are sought, for some passes."""
         gap = gap_of(number[numbers])
         divided = begins[numbers]
 
@@ -244,10 +272,17 @@ def _closing(gap_of: Motion, number: Chosen, segment: Array, begins: Chosen) -> 
 
 
 def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
-    """Return the turn of the hub (rad) at which each gap or angle is smallest within its segment.
+    """Return the rotation of the hub (rad) at which each gap or angle is smallest within its
+    segment.
 
-    The minimum is a zero of its rate. The search starts at the minimum of the cubic through the
-    values and rates at the ends.
+    The minimum is a zero of the derivative. The search starts at the minimum of the cubic through
+    the values and derivatives at the ends.
+
+    Args:
+        values_of: function that returns value and derivative of some passes as a function of the
+            rotation.
+        number: indices of the passes.
+        segment: rotation, value and derivative at both ends, shape (3, 2, passes).
     """
 
     def rate_of(numbers: Chosen) -> Function:
@@ -265,10 +300,17 @@ def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
 
 
 def move(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None:
-    """Advance each pass by the hub's turn ``place``, and update its least relative angle.
+    """Advance each pass by a rotation of the hub, and update its smallest relative angle.
 
-    The first minimum of the angle within the turn counts. An angle falls below its value at the
-    start of a segment by less than twice the fall at its rate there.
+    Of the minima of the angle within the rotation, only the first that may be smaller than all
+    earlier angles is located. Such a minimum is assumed to be larger than a + 2 a' h, where h is
+    the length of its segment, and a and a' are the angle and its derivative at the segment's start.
+
+    Args:
+        passes: passes to advance.
+        motion: motion of the wires.
+        samples: motion at the ends of the segments.
+        place: rotation of the hub, rad.
     """
     turn, angle, rate = samples
     turning = (rate[:-1] < 0.0) & (rate[1:] > 0.0) & (turn[:-1] < place)

@@ -31,16 +31,15 @@ cheaper, up to the order at which the sine's series bounds the step."""
 DEGREES = np.arange(ORDER + 1.0)[:, np.newaxis]  # of the terms of a series
 
 SAFETY = 0.9
-"""Safety factor of the step: its length over the length at which the last terms of the series equal
-the tolerance."""
+"""Ratio of the step length to the length at which the last terms of the series equal the tolerance."""
 
 LONGEST_STEP = 1.0
-"""Longest step, rad of the hub.
+"""Longest step, as a rotation of the hub, rad.
 
-The series of a bristle at rest does not bound the step. In more than a radian the height of its tip
-could have more than one minimum in a segment of the step."""
+The series of a bristle at rest does not bound the step. In a step longer than a radian, the height
+of the tip could have more than one minimum in a segment."""
 
-SEGMENT = 0.125  # longest segment of a step, over the step
+SEGMENT = 0.125  # longest segment of a step, as a fraction of the step
 FRACTIONS = np.array([0.0, 0.03125, *np.arange(SEGMENT, 1.01, SEGMENT)])[:, np.newaxis]
 FRACTION_POWERS = FRACTIONS**DEGREES.T
 """Ends of a step's segments, as fractions of the step, and the powers of these fractions.
@@ -55,13 +54,17 @@ Function = Callable[[Array], tuple[Array, Array | None]]
 no derivatives."""
 
 Motion = Callable[[Chosen], Callable[[Array], tuple[Array, ...]]]
-"""Function that takes the indices of some passes, and returns a function of the hub's turn, rad. Its
-first two results are the passes' relative angles, or gaps, and their rates."""
+"""Function that takes the indices of some passes, and returns a function of the hub's rotation (rad).
+The latter returns the relative angles, or the gaps, of these passes, and then their derivatives."""
 
 
 class Pose(NamedTuple):
-    """Position and rate of a wire: sine and cosine of the hub angle and of the wire's absolute
-    angle, and the relative rate d(alpha)/d(psi).
+    """Position and angular velocity of a wire.
+
+    Attributes:
+        hub_sine, hub_cosine: sine and cosine of the hub angle psi.
+        sine, cosine: sine and cosine of the wire's absolute angle psi + alpha.
+        rate: relative angular velocity d(alpha)/d(psi).
     """
 
     hub_sine: Array
@@ -84,7 +87,7 @@ def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
 
 
 def pose_of(hub_angle: Array, angle: Array, rate: Array) -> Pose:
-    """Return the pose at a hub angle, a relative angle alpha and a rate d(alpha)/d(psi)."""
+    """Return the pose at a hub angle psi, a relative angle alpha and a rate d(alpha)/d(psi)."""
     return Pose(*sine_and_cosine(hub_angle), *sine_and_cosine(hub_angle + angle), rate)
 
 
@@ -101,22 +104,28 @@ class Course(NamedTuple):
     rate: Array
 
     def motion(self, chosen: Chosen) -> Callable[[Array], tuple[Array, Array]]:
-        """Return the relative angle and rate of the chosen passes as a function of the hub's turn,
-        rad.
+        """Return a function of the hub's rotation (rad) for the chosen passes.
+
+        It returns their relative angles (rad), and the derivatives with respect to the hub angle.
         """
         if len(chosen) == self.angle.shape[1]:
             return self.at
         return Course(*(each.take(chosen, axis=1) for each in self)).at
 
     def at(self, step: Array) -> tuple[Array, Array]:
-        """Return the relative angle and rate after the hub has turned by ``step``, rad."""
+        """Return the relative angles (rad) and their derivatives after the hub has rotated by
+        ``step``, rad.
+        """
         powers = step**DEGREES
         angle = np.einsum("kn,kn->n", self.angle, powers)
         return angle, np.einsum("kn,kn->n", self.rate, powers[:-1])
 
     def sampled(self, step: Array) -> tuple[Array, Array]:
-        """Return the relative angles and rates at the ends of the steps' segments, shape (segments
-        + 1, passes).
+        """Return the relative angles (rad) and their derivatives at the ends of each step's
+        segments.
+
+        ``step`` is the hub's rotation in each step, rad. Both arrays have the shape (segments + 1,
+        passes).
         """
         powers = step**DEGREES
         angles = np.empty((len(FRACTIONS), step.size))
@@ -135,8 +144,7 @@ class Course(NamedTuple):
 def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
     """Return the relative acceleration alpha'' of bristles without a contact.
 
-    All angles and rates have the shape (..., passes); derivatives are with respect to the hub
-    angle.
+    All angles and their derivatives with respect to the hub angle have the shape (..., passes).
     """
     torque = passes.damping * rate + passes.stiffness * angle
     torque += passes.centrifugal * sine_and_cosine(angle)[0]
@@ -175,10 +183,10 @@ def course_of(passes: Passes) -> Course:
 
 
 def step_length(passes: Passes, course: Course, tolerance: float) -> Array:
-    """Return the longest step of each pass (rad) at which the last two terms of the rate's series
-    are within the tolerance.
+    """Return the longest step of each pass (rad) in which the Taylor series is accurate enough.
 
-    The tolerance is relative to the scale of the bristle's rates.
+    The last two terms of the series of the relative rate must not exceed ``tolerance`` times
+    ``passes.rate_scale``.
     """
     longest = np.full(passes.size, LONGEST_STEP)
     for k in (ORDER - 2, ORDER - 1):

@@ -21,8 +21,10 @@ from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import BAR, FLIES, ROWS, WORKPART, Chosen, Passes
 from bristle_sim.units import likely_key
 
-MOST_RADIANS = 1e5  # upper bound of the phase of a pass's fastest motion, rad; a step covers some 2
-# Overlap at the start, over the bristle's length, up to which it counts as rounding error
+MOST_RADIANS = (
+    1e5  # upper bound of the phase angle of a pass's fastest oscillation, rad; a step covers some 2
+)
+# Overlap at the start, divided by the bristle's length, that still counts as rounding error
 OVERLAP_ROUNDING = 1e-11
 
 Values = dict[str, Array]
@@ -30,9 +32,13 @@ Values = dict[str, Array]
 
 @dataclass(slots=True)
 class Request:
-    """The arrays given for the keys of a tool, and the shape to which they broadcast.
+    """The parameter arrays of a request, and the shape to which they broadcast.
 
-    ``hub_turn`` is the turn of the hub after which a pass ends, rad.
+    Attributes:
+        tool: tool that supplies the values of all other keys.
+        given: arrays by key.
+        shape: shape to which the arrays broadcast.
+        hub_turn: rotation of the hub after which a pass ends, rad.
     """
 
     tool: Tool
@@ -62,7 +68,12 @@ class Request:
 
 
 def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Request:
-    """Check the given keys, and return the request.
+    """Check the values of the given keys, and return the request.
+
+    Args:
+        tool: tool that supplies the values of all other keys.
+        values: values or arrays of values by key.
+        hub_turn: rotation of the hub after which a pass ends, rad.
 
     Raises:
         ValueError: for an unknown key, a text that is not a number with a unit of the key, or
@@ -91,7 +102,7 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
 
 
 def _array(declared: Range, value: Any) -> Array:
-    """Return the values of a key as numbers in its unit; NaN stands for an omitted value."""
+    """Return the values of a key as numbers in its unit; the value None becomes NaN."""
     if hasattr(value, "dimensionality"):  # a quantity of pint, which would lose its unit
         raise declared.refusal(value)
     try:
@@ -113,8 +124,9 @@ def _array(declared: Range, value: Any) -> Array:
 
 
 def key_values(tool: Tool) -> dict[str, float]:
-    """Return the numerical values of a tool's keys; NaN for a value that is omitted or computed
-    from other values.
+    """Return the numerical values of a tool's keys.
+
+    A value that is absent, or computed from other values, becomes NaN.
     """
     found = {}
     for part, fields in FIELDS.items():
@@ -133,8 +145,10 @@ Refusal = tuple[Chosen, str, str]
 
 
 def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
-    """Return those passes with the given indices that can be computed, and the reasons why the
-    other passes are refused.
+    """Return the passes that can be computed, and the reason why each other pass is refused.
+
+    Only the passes with the indices ``numbers`` are considered. The reason of an accepted pass is
+    empty.
     """
     values = request.at(numbers)
     law = request.tool.contact.law
@@ -151,7 +165,9 @@ def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.obj
 
 
 def _out_of_range(request: Request, values: Values) -> Iterator[Refusal]:
-    """Yield the refusals of values outside the range of their key, or beyond this method."""
+    """Yield the refusals of values outside the range of their key, or outside the scope of this
+    method.
+    """
     for key, declared in KEYS.items():
         if key in request.given and isinstance(declared, Range):
             found = values[key]
@@ -167,8 +183,10 @@ def _out_of_range(request: Request, values: Values) -> Iterator[Refusal]:
 
 
 def _impossible(tool: Tool, passes: Passes) -> Iterator[Refusal]:
-    """Yield the refusals of contradictory dimensions, of an overlap at the start, and of a motion
-    that takes too many steps.
+    """Yield the refusals of tools that cannot be simulated.
+
+    Their dimensions contradict each other, the bristle overlaps an obstacle at the start, or the
+    motion needs too many steps.
     """
     if tool.workpart:
         low = ~(passes.depth > passes.radius)
@@ -192,7 +210,7 @@ def _impossible(tool: Tool, passes: Passes) -> Iterator[Refusal]:
 
 
 def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
-    """Return the passes at their starts, in dimensionless numbers."""
+    """Return the dimensionless passes with the given indices, each at its start."""
     tool = request.tool
     size = len(numbers)
     length = values["bristle_length"]

@@ -44,28 +44,29 @@ class Ensemble(EqualByValue):
     """The results of many passes, in arrays of one shape; NaN where a pass lacks a quantity.
 
     Attributes:
-        keys: given values of the tool's keys, in SI units. Their shapes broadcast to the results'
-        shape.
+        keys: values of the tool's keys that were given, in SI units. Their shapes broadcast to the
+            results' shape.
         release_time: time of the last contact with the bar before the strike, from the start of the
-        pass, s.
+            pass, s.
         release_retraction: retraction at the release time, rad.
         largest_retraction: largest retraction before the strike, rad.
         contact_time: time of the strike, from the start of the pass, s.
         lag_at_contact: angle of the wire behind the radial direction at the strike, rad.
-        relative_speed_at_contact: rate of the wire relative to the hub at the strike, rad/s.
+        relative_speed_at_contact: angular velocity of the wire relative to the hub at the strike,
+            rad/s.
         tip_speed_at_contact: speed of the tip at the strike, m/s.
         normal_compressive_impulse: normal impulse on the tip up to the end of compression, N s.
         normal_final_impulse: normal impulse on the tip over the whole impact, N s.
         tangential_compressive_impulse: tangential impulse on the tip up to the end of compression,
-        N s.
+            N s.
         normal_compressive_work: work of the normal force up to the end of compression, J.
         tangential_compressive_work: work of the tangential force up to the end of compression, J.
         entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
         final_bristle_rate: angular velocity of the wire after the strike, rad/s.
-        error_estimate: estimated error at the strike of the wire's angle (rad) and of its relative
-        rate over omega + sqrt(k_T/I). It includes the factor by which the impact magnifies an
-        error. It is 1 if an error as small as the accuracy could alter the number of touches or the
-        outcome.
+        error_estimate: one estimate of two errors at the strike: that of the wire's angle
+            (rad), and that of its relative angular velocity divided by omega + sqrt(k_T/I). The
+            estimate includes the factor by which the impact magnifies an error. It is 1 if an error
+            as small as the accuracy could alter the number of touches or the outcome.
         outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``,
             ``does not strike`` or ``refused``.
         reason: why a pass was refused, or why it has no strike, no release or no valid error
@@ -157,8 +158,10 @@ class Ensemble(EqualByValue):
         return {key: KEYS[key].unit for key in self.keys} | QUANTITIES
 
     def _axes(self) -> list[str]:
-        """Return the name of each axis: a key that alone varies along this axis and varies along no
-        other axis, or ``axis_`` with the axis's index.
+        """Return the name of each axis.
+
+        An axis has the name of a key if only this key varies along it, and the key varies along no
+        other axis. Otherwise its name is ``axis_`` with the axis's index.
         """
         names = []
         for axis, size in enumerate(self.shape):

@@ -1,5 +1,7 @@
-"""Passes in dimensionless numbers: lengths are over the bristle's length, the hub angle is the
-time, and moments are over the bristle's moment of inertia.
+"""Passes in dimensionless numbers.
+
+Lengths are divided by the bristle's length, and moments by the bristle's moment of inertia. The hub
+angle is the time.
 """
 
 from __future__ import annotations
@@ -15,19 +17,22 @@ Chosen = NDArray[Any]
 """Indices of passes, a Boolean mask of passes, or an integer code for each pass."""
 
 FLIES, BAR, WORKPART, FOLDS, MISSED, LOCKED, TOO_MANY = range(7)
-"""Codes of a pass's state: in flight; touching the bar; ended by a touch of the workpart, by a wire
-folded by more than a quarter turn, by the end of the hub's turn, by friction on the bar, or by
-endless touches of the bar. ``BAR`` and ``WORKPART`` are also the codes of these obstacles."""
+"""Codes of a pass's state.
+
+In the first two states the wire is in flight or touches the bar. In the others the pass has ended:
+the tip touches the workpart, the wire has folded by more than 90 degrees, the hub has rotated to the
+end of the pass, friction locks the wire on the bar, or the touches of the bar are endless. ``BAR``
+and ``WORKPART`` are also the codes of these obstacles."""
 
 QUARTER_TURN = 0.5 * np.pi  # relative angle beyond which a wire has folded, rad
 LEAST = 1e-300  # lower bound of a dimensionless speed or impulse, against a division by zero
 
 
 class Passes:
-    """State and constants of passes under way.
+    """Constants and present state of passes that are being computed.
 
     Every attribute is a row of one table, with one column for each pass. New values are therefore
-    assigned into a row: ``passes.rate[:] = ...``.
+    assigned into a row: ``passes.rate[:] = ...``. L is the bristle's length.
 
     Attributes:
         table: all rows, shape (rows, passes).
@@ -36,27 +41,28 @@ class Passes:
         radius: radius of the hub, r_h/L.
         stiffness, damping, centrifugal, gravity: coefficients k, d, b and g of the equation of
             motion in the module ``motion``.
-        rate_scale: scale of the rates, 1 + sqrt(k).
+        rate_scale: scale of the angular velocities, 1 + sqrt(k).
         bar_distance: distance of the bar's centre from the hub's axis, S/L.
         bar_angle: hub angle at which the root is nearest to the bar's centre, rad.
-        bar_x, bar_y: position of the bar's centre, over L.
-        reach: distance of the wire's centre line from the bar's centre at a touch, (r_b + d/2)/L.
+        bar_x, bar_y: position of the bar's centre, divided by L.
+        reach: distance of the wire's centre line from the bar's centre when they touch, (r_b +
+            d/2)/L, with the bar's radius r_b and the wire's diameter d.
         wire_radius: radius of the wire, d/(2 L).
         bar_friction, bar_restitution: coefficients of friction and of restitution at the bar.
-        window: half the turn of the hub in which the wire reaches the bar, rad; negative if the
-            wire never reaches it.
-        depth: distance of the workpart's surface from the hub's axis, over L; infinite without a
-            workpart.
+        window: largest hub angle from ``bar_angle`` at which the wire can reach the bar, rad;
+            negative if the wire never reaches it.
+        depth: distance of the workpart's surface from the hub's axis, divided by L; infinite
+            without a workpart.
         start, end: hub angles at which the pass starts and ends, rad.
-        hub_angle, angle, rate: present hub angle psi, relative angle alpha and rate
+        hub_angle, angle, rate: present hub angle psi, relative angle alpha and angular velocity
             d(alpha)/d(psi).
-        touching: 1 where the wire has just left the bar, so that the gap begins at zero, otherwise
-            0.
+        touching: 1 if the wire has just left the bar, so that the gap is still zero; otherwise 0.
         touches: number of touches of the bar so far.
         release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
             NaN before the first contact.
-        lowest: least relative angle so far, rad.
-        error: estimated error of the relative angle (rad) and of the rate over ``rate_scale``.
+        lowest: smallest relative angle so far, rad.
+        error: estimated error of the relative angle (rad) and of the relative angular velocity
+            divided by ``rate_scale``.
     """
 
     number: Array
@@ -99,11 +105,14 @@ class Passes:
         return len(self.number)
 
     def take(self, chosen: Chosen) -> Passes:
-        """Return the passes with the given indices, which increase; all passes are not copied."""
+        """Return the passes with the given indices, which must increase.
+
+        If all passes are chosen, the object itself is returned, not a copy.
+        """
         return self if len(chosen) == self.size else Passes(self.table.take(chosen, axis=1))
 
     def put(self, chosen: Chosen, some: Passes) -> None:
-        """Copy ``some`` passes to the given indices of these passes."""
+        """Copy the state of the passes ``some`` to the given indices of this object."""
         self.table[:, chosen] = some.table
 
 

@@ -31,7 +31,7 @@ class Blow(NamedTuple):
     Attributes:
         normal, tangential: velocity components of the tip before the impact, m/s.
         impact: result of the impact law.
-        gain: change of the wire's rate in the impact, rad/s.
+        gain: change of the wire's angular velocity in the impact, rad/s.
         outcome: code of the outcome.
     """
 
@@ -43,16 +43,15 @@ class Blow(NamedTuple):
 
 
 def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[str, Array]:
-    """Return the state at the strike, the impulses, the rate after the strike, and the outcome, in
-    SI units.
+    """Return the results of a strike by the names of ``Ensemble``, in SI units.
 
-    The impact law is evaluated a second time, for a state perturbed by the accuracy. The relative
-    change of the normal impulse shows how much the impact magnifies an error. The error estimate is
-    1 if the perturbation changes the outcome, or if the tip comes down so slowly that the accuracy
-    decides whether it touches.
+    The impact law is evaluated a second time, with the wire's angle and angular velocity perturbed
+    by the accuracy. The relative change of the normal impulse shows how much the impact magnifies
+    an error. The error estimate is 1 if the perturbation changes the outcome, or if the tip
+    approaches so slowly that an error as small as the accuracy decides whether it touches.
 
     Args:
-        passes: passes whose tips are at the workpart.
+        passes: passes whose tips touch the workpart.
         values: values of the tool's keys for each pass.
         accuracy: requested relative accuracy.
     """
@@ -97,8 +96,10 @@ def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[st
 
 
 def _blow(passes: Passes, values: dict[str, Array], off: float) -> Blow:
-    """Return the impact of each wire, with its angle perturbed by ``off`` rad and its rate by
-    ``off`` times the scale of the rates.
+    """Return the impact of each wire, computed from a perturbed state.
+
+    The angle is perturbed by ``off`` (rad), and the angular velocity by ``off`` times
+    ``passes.rate_scale``.
     """
     length = values["bristle_length"]
     turn = passes.hub_angle + passes.angle + off
@@ -127,7 +128,7 @@ def outcome_codes(impact: Impact) -> Chosen:
     """Return the code of each pass's outcome.
 
     A tip counts as reversing its slip, or as sticking, only if it does so in a phase with a
-    positive impulse. A tip that sticks from the start of the impact has no slip to reverse.
+    positive impulse. If a tip sticks from the start of the impact, there is no slip to reverse.
     """
     active = impact.phase_impulse > 0.0
     initial = impact.phase_slip[:, :1]

@@ -37,8 +37,8 @@ from bristle_sim.passes.state import (
 from bristle_sim.theory.impact_phases import JAM, resolve_phases
 
 LOWEST_REBOUND = 1e-10
-"""Height of a rebound from the bar, over the bristle's length, below which the wire stays on the
-bar."""
+"""Height of a rebound from the bar, divided by the bristle's length, below which the wire stays on
+the bar."""
 
 MOST_TOUCHES = 3000  # most touches of the bar in a pass; a restitution near 1 gives endlessly many
 
@@ -48,7 +48,7 @@ ROUNDING = 1e-15  # rounding error of an angle that follows from geometry, rad
 def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     """Resolve the impacts of wires on the bar, and return the code of each pass's new state.
 
-    A wire that stays on the bar is followed until it leaves the bar or the pass ends.
+    If a wire stays on the bar, its motion is computed until it leaves the bar or the pass ends.
     """
     normal, tangential, approach, slip, side = levers(
         passes, pose_of(passes.hub_angle, passes.angle, passes.rate)
@@ -94,11 +94,18 @@ def comes_to_rest(
     passes: Passes, side: Array, at_end: Chosen, pressure: Array, lasting: Array
 ) -> Chosen:
     """Return whether each wire's rebounds from the bar die out while the wire is still pressed onto
-    the bar.
+    it.
 
-    The wire then lies on the bar as if it had never rebounded. After the time ``lasting`` it must
-    touch with the same part, flank or end, and the pressure must have changed by less than a factor
-    of two.
+    Such a wire is then treated as if it had never rebounded. Two conditions must hold when the hub
+    has rotated by ``lasting``: the wire would touch the bar with the same part, flank or end, and
+    the pressure has changed by less than a factor of two.
+
+    Args:
+        passes: passes of the wires.
+        side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
+        at_end: whether a wire touches with its end rather than its flank.
+        pressure: ``Lying.pressure`` at the present hub angle.
+        lasting: upper bound of the hub's rotation during the rebounds, rad.
     """
     ahead = passes.hub_angle + np.minimum(lasting, 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -108,15 +115,17 @@ def comes_to_rest(
 
 
 def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
-    """Return whether a wire that lies on the bar at a given hub angle touches it with its end
-    rather than its flank.
-    """
+    """Return whether each wire that lies on the bar touches it with its end rather than its flank."""
     return np.abs(half_turn(hub_angle - passes.bar_angle)) > flank_window(passes)
 
 
 def slide(passes: Passes, side: Array) -> Chosen:
-    """Advance wires that lie on the bar to the end of the contact, and return the code of each
-    pass's state there.
+    """Advance wires that lie on the bar to the end of the contact.
+
+    ``side`` is 1 for a wire behind the bar, and -1 for a wire ahead of it.
+
+    Returns:
+        The code of each pass's state at the end of the contact.
     """
     chi = half_turn(passes.hub_angle - passes.bar_angle)
     flank = flank_window(passes)
@@ -138,17 +147,18 @@ def slide(passes: Passes, side: Array) -> Chosen:
 
 
 def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chosen) -> Chosen:
-    """Follow wires on the bar over a turn of the hub in which they touch with their flanks alone or
-    with their ends alone.
+    """Advance wires on the bar while they touch either with their flanks alone or with their ends
+    alone.
 
-    In one segment of the turn a pressure that falls to zero is assumed not to rise again.
+    If the pressure falls to zero within a segment, it is assumed not to rise above zero later in
+    the same segment.
 
     Args:
         passes: passes of the wires; their states advance.
-        length: turn of the hub, rad.
+        length: rotation of the hub, rad.
         side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
         at_end: whether the wires touch with their ends.
-        fresh: whether a wire begins here, where its pressure is known to be positive.
+        fresh: whether the contact begins here. Its pressure is then known to be positive.
 
     Returns:
         The code of each pass's state, ``BAR`` for a contact that continues.
@@ -198,7 +208,8 @@ def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chos
 
 
 def bounded_pressure(motion: Lying) -> Array:
-    """Return the pressure over the acceleration, which grows without bound where the wire points at
-    the bar's centre.
+    """Return the pressure divided by 1 + |acceleration|, a bounded function with the same zeros.
+
+    The pressure itself grows without bound where the wire points at the bar's centre.
     """
     return motion.pressure / (1.0 + np.abs(motion.acceleration))
