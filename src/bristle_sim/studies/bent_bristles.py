@@ -61,7 +61,7 @@ class BentBristles:
 def slide_path(history: ContactHistory) -> Array:
     """Return the tip's displacement along the workpart since the first touch (m), shape (n,).
 
-    The tangential velocity is integrated over the n samples by the trapezoidal rule.
+    It is the time integral of the tangential velocity at the n samples, by the trapezoidal rule.
     """
     speed = history.tangential_velocity
     steps = 0.5 * np.diff(history.time) * (speed[1:] + speed[:-1])

@@ -71,7 +71,8 @@ class CraterStudy:
 
 
 def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
-    """Compute the crater's depth by every formula of chapter 4 and from a simulated contact.
+    """Compute the crater's depth by every formula of the dissertation's chapter 4, and by
+    simulation.
 
     Raises:
         ValueError: if the parameters leave a formula's range, or the contact of a tip that strikes

@@ -74,8 +74,9 @@ class CueMap:
 
     @property
     def marks(self) -> dict[str, float]:
-        """Directions of the bar that the maps show (rad) by name; the first is that of the tool's
-        own bar.
+        """Directions of the bar that the maps show (rad), by name.
+
+        The first is the direction of the tool's own bar.
         """
         bar = bar_search.bar_of(self.tool)
         own = "printed position" if bar == Bar() else "the tool's bar"
@@ -91,8 +92,9 @@ class CueMap:
 def cue_map(
     tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True
 ) -> Report:
-    """Find the directions of the bar for a radial strike and for the highest tip speed, and compare
-    them.
+    """Find the bar's direction for a radial strike, and its direction for the highest tip speed.
+
+    The two directions are compared with each other and with the cue formula.
 
     Raises:
         NotCuedError: if no direction gives a radial strike.

@@ -2,7 +2,8 @@
 simulated release of the bristle from rest.
 
 In the formulas the bristle swings as a linear oscillator on its belt, undamped in the dissertation
-(Zhang 2020, sec. 2.2). The cue time, from the release to the highest speed, places the bar (2.1).
+(Zhang 2020, sec. 2.2). The time from the release to the highest speed, the cue time, determines
+the bar's position (eq. 2.1).
 The formulas neglect the centrifugal stiffening, which the simulated release includes. Both neglect
 the effects of the bar: the impact of the first touch, and the swing after the last touch. A
 simulated whole pass includes these too.
@@ -92,8 +93,8 @@ class CueTiming:
 
     @property
     def wires(self) -> Array:
-        """Centre lines of the wire at its release and at its highest speed, shape (2, corners, 2),
-        m.
+        """Centre lines of the wire (m) at its release and at its highest speed, shape (2, corners,
+        2).
 
         Both are rotated by the same angle about the hub's centre. This angle brings the wire's root
         at the instant of highest speed to the impact angle gamma.

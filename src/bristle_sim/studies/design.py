@@ -136,7 +136,7 @@ def design(
         tool: the tool that gives the values of all other parameters; by default the dissertation's.
         want: wanted values of quantities of ``bristle-sim cue_and_impact``, as numbers in its units
             or texts with a unit.
-        vary: the two ends of the range of each parameter to vary.
+        vary: lower and upper bound of each parameter to vary.
         at_most: upper limits of quantities, or of varied parameters.
         minimize: name of the quantity to minimise.
         maximize: name of the quantity to maximise; only one of the two may be given.
@@ -145,8 +145,8 @@ def design(
         The tool found and its pass; if wants and limits conflict, the tool that comes nearest.
 
     Raises:
-        ValueError: in one line, for an unknown name or a refused value, a wire that bends, another
-            law of impact, or ranges in which no pass has the quantities.
+        ValueError: for an unknown name or an invalid value, a wire that bends, another law of
+            impact, or ranges in which no pass has the quantities. The message is one line.
     """
     if minimize and maximize:
         raise ValueError("minimize, maximize: must be one quantity")

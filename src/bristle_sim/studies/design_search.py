@@ -1,11 +1,12 @@
 """Search of the ranges of some parameters for the tool whose pass has wanted quantities, with
 passes computed in arrays.
 
-Every parameter is expressed as a fraction, from 0 to 1, of its range. A survey of the ranges, by
-points of a Sobol sequence, gives the starts, and differential evolution (R. Storn and K. Price,
-*Journal of Global Optimization* 11 (1997) 341-359) with an exact penalty on the misses gives
-further ones. Least squares meet the conditions from there, and sequential quadratic programming
-improves the goal while they stay met.
+Every parameter is expressed as a fraction, from 0 to 1, of its range. The ranges are first sampled
+at the points of a Sobol sequence. The best points are starting points of the search. Differential
+evolution (R. Storn and K. Price, *Journal of Global Optimization* 11 (1997) 341-359), with an exact
+penalty on deviations from the conditions, gives further starting points. From each of them the
+method of least squares finds a point that meets the conditions. Sequential quadratic programming
+then improves the goal subject to the conditions.
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ POPULATION = 256
 GENERATIONS = 30
 # Number of best points that are refined: of the sampled points, and of the evolved population.
 STARTS = 4
-# Step of a fraction in a finite difference. The truncation error is some 1e-10, as large as the error
-# of the passes.
+# Step of a fraction in a finite difference. The truncation error is some 1e-10, as large as the
+# error of the passes.
 DIFFERENCE = 1e-5
 SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
 # Penalty added to the goal for a deviation of one standard deviation from a condition. The goal

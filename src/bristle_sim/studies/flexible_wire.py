@@ -114,7 +114,7 @@ class FlexibleStrike:
         )
 
     def reference(self) -> ContactRecord:
-        """Return the record of the contact by the independent reference solution."""
+        """Return the contact by the independent reference solution."""
         from bristle_sim.reference import strike_reference
 
         longest = LONGEST_CONTACT * self.contact.duration

@@ -2,9 +2,10 @@
 independent reference solution.
 
 The bristle travels in translation on the straight part of the belt and then enters the pulley.
-There it is radial and does not turn, so that its rate relative to the pulley is -omega. It lags,
-and its belt swings it back. The report has its tip speed when it is radial again, and the pulley
-speed that would give it the tip speed of the bar-cued tool.
+There it is radial and does not rotate, so that its angular velocity relative to the pulley, which
+rotates at omega, is -omega. The bristle lags, and its belt swings it back. The report has the tip
+speed when the bristle is radial again, and the pulley speed at which this tip speed would be that
+of the tool with a bar.
 """
 
 import dataclasses

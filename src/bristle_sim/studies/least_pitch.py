@@ -1,10 +1,10 @@
 """The least pitch of the bristles in one plane; below it two neighbouring wires touch each other.
 
-It follows from the motion of one bristle alone. On a hub of constant speed omega each bristle that
-touches no other bristle repeats the motion of the bristle before it, when the hub has turned by the
-pitch beta. Let A(t) be the motion of a lone bristle. Its follower moves as A(t - beta/omega),
-turned about the hub by the pitch. The two wires touch if the distance of their centre lines is the
-wire's diameter.
+The pitch is the angle beta between neighbouring bristles on the hub. The least pitch follows from
+the motion A(t) of a single bristle. At constant hub speed omega a bristle that touches no other
+bristle repeats the motion of the preceding one after the time beta/omega. Relative to the hub its
+motion is therefore A(t - beta/omega). Two wires touch if the distance between their centre lines is
+the wire's diameter.
 """
 
 import math

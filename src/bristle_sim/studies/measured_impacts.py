@@ -35,8 +35,8 @@ FRICTION = 0.092
 RESTITUTION = 0.98
 
 # Pairs (angle of incidence from the normal, deg, measured value) by Kharaz et al. 2001. The values
-# are the centre's tangential velocity after over before the impact, the spin after it (rad/s), and
-# the angle from the normal at which the centre rebounds (deg).
+# are the centre's tangential velocity after the impact divided by that before it, the spin after it
+# (rad/s), and the angle from the normal at which the centre rebounds (deg).
 MEASURED_SPHERES = {
     "restitution": np.array([
         (1.84, 0.79344), (3.703, 0.74533), (9.496, 0.67257), (20.012, 0.59691), (30.127, 0.68756), (39.382, 0.77148),
@@ -149,8 +149,7 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
 
 
 def spheres(compliance: float) -> dict[str, float]:
-    """Return the root mean square error of each predicted quantity of the spheres' rebound, by
-    name.
+    """Return the root mean square error of each predicted quantity of the spheres, by name.
 
     ``compliance`` is the ratio eta^2 of tangential to normal compliance of the contact.
     """
@@ -238,8 +237,9 @@ def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
 
 
 def measured_impacts(measured: Measured) -> Report:
-    """Predict the rebound of the spheres and, if its file is given, of the ellipse, and report the
-    errors.
+    """Predict the rebound of the spheres and of the elliptical body, and report the errors.
+
+    The elliptical body is left out if its data file is not given.
     """
     squared = measured.tangential_compliance
     errors = spheres(squared)

@@ -65,21 +65,22 @@ UNITS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlastedSurface(EqualByValue):
-    """A part of a blasted surface and its measures, in SI units.
+    """A part of a blasted surface, with its measures in SI units.
 
     Attributes:
         blasting: parameters of the track and the ground.
         body: shape of the first crater.
-        heights: heights above the original plane (m), shape (across, along).
-        places: middle (x, y) of each crater's outline (m) in the order of the strikes.
-        depths: depth of each crater on a plane, m.
+        heights: heights above the original plane (m), shape (across, along); "along" is the
+            direction in which the tip slides.
+        places: middle (x, y) of each crater's outline (m), in the order of the strikes.
+        depths: depth that each crater would have on a plane, m.
         taken: volume that each strike removed, m^3.
-        course: number of strikes, Rz (m), coverage and mean depth (m) at some instants, by name.
-        rz, rz_at_2_5_mm, rz_across, ra, rq, rsm: roughness, mean over all profiles; the profiles
-            run along the slide, for ``rz_across`` across it. A value is None if the ground is too
-            short for the cut-off, or the profiles have no complete profile element.
+        course: number of strikes, Rz (m), coverage and mean depth (m) at several instants, by name.
+        rz, rz_at_2_5_mm, rz_across, ra, rq, rsm: roughness, mean of all profiles. The profiles run
+            along the slide, for ``rz_across`` across it. A value is None if the ground is too short
+            for the cut-off, or the profiles have no complete profile element.
         sections_across: number of section lengths in the profiles across the slide.
-        sa, sdr: roughness of the unfiltered heights less their mean.
+        sa, sdr: areal roughness of the unfiltered heights, measured from their mean.
         coverage, strikes_per_crater_area, mean_depth, removed_volume: measures of this part of the
             surface.
         removal_rate, area_rate, feed, strike_rate: rates of the whole tool.
@@ -149,8 +150,8 @@ def surface(
         The surface. The same seed gives the same surface, bit for bit.
 
     Raises:
-        ValueError: in one line, for a parameter that is refused, parameters that do not fit
-            together, or a tool without a strike.
+        ValueError: for an invalid parameter, parameters that contradict each other, or a tool
+            without a strike. The message is one line.
     """
     tool = Tool() if tool is None else tool
     return blasted_surface(tool, crater, Blasting(**keys), settings or Settings())
@@ -281,10 +282,10 @@ def surface_study(
     hub: Hub, bristle: Bristle, crater: Crater, blasting: Blasting, settings: Settings
 ) -> Report:
     """Blast a surface with strikes of a given speed and angle, and compare its roughness with
-    measured values.
+    measurement.
 
     Raises:
-        ValueError: for parameters that do not fit together, or a strike that does not cut.
+        ValueError: if parameters contradict each other, or a strike does not cut.
     """
     started = clock.perf_counter()
     tool = Tool(hub=hub, bristle=bristle, bar=None, workpart=None)

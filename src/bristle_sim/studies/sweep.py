@@ -185,9 +185,9 @@ def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
 
 
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
-    """Write the outcomes of points as they arrive, at intervals, and show the progress.
+    """Write the outcomes of points at intervals, as they arrive, and show the progress.
 
-    If the evaluation ends with an error, the finished points are written too.
+    If the evaluation ends with an error, the outcomes that arrived before it are written too.
     """
     finished = list[tuple[Point, Outcome]]()
     written = time.perf_counter()

@@ -54,9 +54,10 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
 
 
 class _Hasher(NumpyHasher):  # type: ignore[misc]
-    """Hash of Python values, in which the source text stands for a function or a class.
+    """Hash of Python values, in which a function or class is represented by its source text.
 
-    For functions and classes of installed packages, the name and the package's version stand.
+    A function or class of an installed package is represented by its name and the package's
+    version.
     """
 
     def __init__(self, version: str) -> None:

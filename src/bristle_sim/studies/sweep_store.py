@@ -3,8 +3,8 @@
 Points are written to a folder as they are finished. The folder is checked before more points are
 computed, and read by xarray. In zarr a chunk of an array is a file of its own with a checksum,
 which is replaced as a whole. A crash therefore leaves the other chunks intact, and xarray reads
-only the chunks in use. Descriptions and coordinates can be restored, so that a damaged one costs no
-point.
+only the chunks in use. Metadata and coordinates can be restored, so that no point is lost if they
+are damaged.
 """
 
 import json
@@ -143,7 +143,7 @@ class Results:
         return found
 
     def _add(self, new: Shapes) -> None:
-        """Add arrays for new results, with NaN at the points that were computed before."""
+        """Add arrays for new results, which are NaN at all points that were computed before."""
         for name in new:
             if name in {*self.grid.coords, *self.grid.sizes}:
                 raise ValueError(

@@ -142,8 +142,9 @@ class TimedContact:
 
     @property
     def compressive_impulse(self) -> float:
-        """Compressive impulse p_c, N s: the integral of the resultant force over compression (Zhang
-        2020, eq. 3.1).
+        """Compressive impulse p_c, N s.
+
+        It is the integral of the resultant force over the compression time (Zhang 2020, eq. 3.1).
         """
         return float(self.resultant.integrate(0.0, self.compression_time))
 
@@ -266,9 +267,10 @@ def contact_fields(contact: TimedContact, **later: float) -> dict[str, Any]:
 def with_visible_contact(impacts: Impacts) -> Impacts:
     """Return the impacts with a compliant contact that is long enough to be seen in a film.
 
-    Its compression lasts 50 us, as printed in the dissertation. It replaces a compliant contact
-    near the rigid-body limit, during which the rods hardly move. A contact of requested duration is
-    not replaced, nor any contact if 50 us are too short or too long for the rods.
+    Without a requested duration, the compliant contact is so short that the rods hardly move. It is
+    replaced by a contact whose compression lasts 50 us, as printed in the dissertation. The impacts
+    are returned unchanged if a duration was requested, or if 50 us are too short or too long for
+    the rods.
     """
     found = impacts.strikes.get("compliant")
     if found is None or impacts.contact.duration is not None:

@@ -7,10 +7,10 @@ others. For small spreads the standard deviation is that of first-order error pr
 
 Sobol indices divide the variance of every output y among the inputs x_i. The first-order index
 V(E(y|x_i))/V(y) is the fraction of the variance that would vanish if x_i were known. The total
-index E(V(y|all but x_i))/V(y) is the fraction in which x_i has a part. Both follow by Saltelli's
-estimate from two samples A and B of a scrambled Sobol sequence, and from A with one column at a
-time replaced by B's (``scipy.stats.sobol_indices``). Several sequences with independent scramblings
-are used; the scatter of their estimates gives the confidence intervals.
+index E(V(y|all but x_i))/V(y) is the fraction that would remain if all other inputs were known.
+Both follow by Saltelli's estimate from two samples A and B of a scrambled Sobol sequence, and from
+A with one column at a time replaced by B's (``scipy.stats.sobol_indices``). Several sequences with
+independent scramblings are used; the scatter of their estimates gives the confidence intervals.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_wor
 
 # The two percentiles between which an output lies with a probability of 95 %
 ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
-# Number of independently scrambled sequences. Student's t makes the confidence interval of their mean
-# 9 % wider than it would be if the variance were known exactly.
+# Number of independently scrambled sequences. Student's t makes the confidence interval of their
+# mean 9 % wider than it would be if the variance were known exactly.
 SEQUENCES = 16
 # Number of passes that are computed in one call. Their arrays fit into the processor's cache. In
 # calls of twice this size each pass takes a fifth longer.

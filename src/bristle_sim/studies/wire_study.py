@@ -1,5 +1,5 @@
-"""The strike of a wire relative to the rigid bristle's, over contact stiffness and over number of
-links.
+"""The strike of a wire compared with that of a rigid bristle, for several contact stiffnesses and
+numbers of links.
 """
 
 import dataclasses
