@@ -24,7 +24,7 @@ from bristle_sim.trajectory import ContactRecord, Trajectory
 COLOURS = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
 """Colour of each shape of wire."""
 
-# Time shown before the first touch and after the last touch, s
+# Durations shown before the first touch and after the end of the contact, s.
 BEFORE = 0.6e-3
 AFTER = 1.1e-3
 MARKS: dict[str, style.Look] = {
@@ -36,10 +36,10 @@ MARKS: dict[str, style.Look] = {
 
 @style.styled()
 def bent_figure(bent: BentBristles) -> Figure:
-    """Draw straight and bent wires at the strike, and the paths of their tips around the contact.
+    """Draw the strikes of straight and bent wires.
 
-    These lengths are in mm. A further panel shows each tip's displacement along the workpart during
-    the contact, in mm over time in us.
+    Panels show the wires at the strike (mm), the paths of their tips around the contact (mm), and
+    each tip's displacement along the workpart (mm) over the time since its first touch (us).
     """
     figure = style.blank_figure(16.0, 15.5)
     panels = figure.subplot_mosaic([["wires", "paths"], ["slides", "slides"]], width_ratios=(1, 2))
@@ -80,10 +80,18 @@ def bent_figure(bent: BentBristles) -> Figure:
 def _draw_strike(
     panels: Sequence[Axes], run: Trajectory, contact: ContactRecord, color: str
 ) -> tuple[Array, Array]:
-    """Draw a wire, the path of its tip and its displacement in touch.
+    """Draw a wire at its strike, the path of its tip, and the tip's displacement during the
+    contact.
+
+    Args:
+        panels: axes for the wire, for the path, and for the displacement over time.
+        run: motion of the wire.
+        contact: the wire's first contact with the workpart.
+        color: colour of all lines.
 
     Returns:
-        The wire and the tip's path from the first touch on, mm from the point of strike.
+        Points of the wire at the first touch, and of the tip's path from then on. Coordinates are
+        in mm from the place of the first touch.
     """
     wires, paths, slides = panels
     touch = contact.time
@@ -103,7 +111,9 @@ def _draw_strike(
     return wire, np.concatenate([during, after])
 
 
-BESIDE = 0.02  # distance, deg, from a least pitch to the pitches on either side at which the strike is simulated
+# Distance (deg) of two simulated pitches from the least pitch between them. They show how the strike
+# changes at the least pitch.
+BESIDE = 0.02
 STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
 LEAST = {
@@ -111,14 +121,16 @@ LEAST = {
     "least_pitch_to_own_strike_deg": ("no touch until its own strike", "--"),
     "least_pitch_whole_pass_deg": ("no touch in the whole pass", "-."),
 }
-"""Label and style of the line at each least pitch. The label is true of all larger pitches."""
+"""Labels and line styles of the least pitches, by name.
+
+A label states what holds at all larger pitches."""
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
-    """Return the angles between neighbouring bristles (deg) at which the strike is simulated.
+    """Return the pitches (deg) at which the strike of the row's last bristle is simulated.
 
-    They extend from closely spaced bristles to beyond the least pitch without a touch in the whole
-    pass.
+    A pitch is the angle between neighbouring bristles. The smallest puts the bristles close
+    together. At the largest no wires touch in the whole pass.
     """
     least = [each.by_theory for each in row.least if each.by_theory is not None]
     if not least:
@@ -131,7 +143,8 @@ def pitches_to_draw(row: NeighbourRow) -> list[float]:
     return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
 
 
-# Least span of an axis over its largest value; a smaller span would show rounding error as scatter.
+# Least range of a vertical axis, as a fraction of its largest value. In a smaller range rounding
+# error would look like scatter.
 LEAST_SPAN = 0.02
 
 
@@ -139,12 +152,13 @@ LEAST_SPAN = 0.02
 def neighbours_figure(
     row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]
 ) -> Figure:
-    """Draw a row of bristles at two instants, and the strike of its last bristle over the pitch.
+    """Draw a row of bristles at two times, and the strike of its last bristle over the pitch.
 
     Args:
         row: the row of bristles.
         pitches: angles between neighbouring bristles, deg.
-        strikes: quantities of the last bristle's strike by name, with one value for each pitch.
+        strikes: quantities of the last bristle's strike, by name. Each array has one value for each
+            pitch.
     """
     figure = style.blank_figure(16.0, 12.5)
     above, below = figure.subfigures(2, squeeze=False, height_ratios=(1.4, 1.0)).flat
@@ -187,10 +201,10 @@ def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
 
 
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
-    """Return the two instants at which the row is drawn, each as a name and a time, s.
+    """Return names and times (s) of the two moments at which the row is drawn.
 
-    They are the first touch between wires, and the last touch before the last bristle strikes.
-    Where a touch is missing, the strike of the first or of the last bristle takes its place.
+    They are the first touch between wires, and the last touch before the last bristle strikes. If
+    there is no such touch, they are the strikes of the first and of the last bristle.
     """
     front = row.bristles[0].event_time("strike")
     strike = row.bristles[-1].event_time("strike")

@@ -23,7 +23,7 @@ from bristle_sim.render.style import MILLISECONDS, Look, blank_figure, styled
 
 HEIGHT = 8.6  # height of a row of panels with their legends, cm
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order of drawing
-PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}
+PEERS = {"scipy": ORANGE, "mujoco": GREEN, "heyoka": "#7a5c00"}  # colours of other packages
 HEAVY: Look = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3}
 PEER = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 0.8, "zorder": 2}
 """Styles of this project's curves, and of the curves of other packages."""
@@ -33,12 +33,12 @@ LEAST = 1e-16  # smallest error drawn: an error of 0 has no logarithm
 
 @styled()
 def cost_figure(measured: AccuracyCost) -> Figure:
-    """Draw error against CPU time for every test case of a study, in two columns.
+    """Draw error against CPU time, one panel for each test case.
 
-    Points without a finite error are left out.
+    Failed attempts are left out.
 
     Raises:
-        ValueError: if there is no case.
+        ValueError: if no case was measured.
     """
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")
@@ -76,10 +76,12 @@ def cost_figure(measured: AccuracyCost) -> Figure:
 
 
 def verdict(target: float, own: Point | None, peer: Point | None) -> str:
-    """Return a phrase that compares the CPU times of two methods at one error.
+    """Return a phrase that compares the CPU times of this project and of another package.
 
-    ``own`` is the cheapest measured setting of this project that reaches the error ``target``.
-    ``peer`` is the cheapest one of another package.
+    Args:
+        target: error that both reach.
+        own: measured point of this project's fastest method, or None.
+        peer: measured point of the fastest method of all other packages, or None.
     """
     if own is None:
         return "none of our methods that integrate in time reaches the target errors"

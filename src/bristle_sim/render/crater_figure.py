@@ -11,7 +11,7 @@ from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 
 @styled()
 def crater_figure(study: CraterStudy) -> Figure:
-    """Draw every estimate of the crater depth, um, beside the measured depth."""
+    """Draw all estimates of the crater depth (um) as bars, beside the measured depth."""
     rows = _estimates(study)
     names, depths, colors = zip(*rows, strict=True)
     shown = [MICROMETRES * depth for depth in depths]
@@ -40,9 +40,9 @@ def crater_figure(study: CraterStudy) -> Figure:
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
-    """Return name, depth (m) and colour of every estimate of the crater depth.
+    """Return name, value (m) and colour of every estimate of the crater depth.
 
-    The sum of work and energy, which gives millimetres, is left out.
+    The estimate by the sum of work and energy is omitted, since it is of the order of millimetres.
     """
     looks = {
         "merchant_crater_depth": (f"Merchant, {study.crater.plies:g} plies", BLUE),

@@ -22,17 +22,17 @@ from bristle_sim.render.style import Look, blank_figure, save_figure, styled, wr
 
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
-"""Width and height (cm) of a panel with its scales: on a page of several panels, and alone."""
+"""Width and height (cm) of a panel with its scales, if there are several on the page and if not."""
 
 REST = 2.2  # height of a page's title, note and legend of points, cm
-NOTHING = 1e-12  # largest value, in the unit shown, that is rounding error of zero
+NOTHING = 1e-12  # largest value, in the unit shown, that counts as rounding error of zero
 OPERATING_POINT: Look = {
     "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "linestyle": "none",
 }  # fmt: skip
 """Style of a mark without a label: a blue dot, as the dissertation marks its operating point."""
 
 _SIDES = {"right": ((6, -9), "left"), "left": ((-5, -11), "right"), "above": ((0, 5), "center")}
-"""Offset of a mark's label, in points, and alignment of the label, by side."""
+"""Offset of a label from its mark (1/72 inch), and alignment of the label, by side."""
 
 _OPEN: Look = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white", "linestyle": "none"}
 _CROSS: Look = {"marker": "x", "markersize": 4.0, "linestyle": "none"}
@@ -49,9 +49,9 @@ _LOOKS: dict[str, Look] = {
 
 @styled()
 def draw(figure: Redrawn) -> Figure:
-    """Draw one figure or table on a page, headed by its number, title and note.
+    """Draw a figure or table on a page with its number, title and note at the top.
 
-    The panels stand in rows of at most three, with a legend of the points at the foot.
+    There are at most three panels in a row. A legend of the points stands at the foot.
     """
     panels = figure.panels or (None,)
     columns = min(len(panels), 3)
@@ -66,7 +66,7 @@ def draw(figure: Redrawn) -> Figure:
 
 
 def write_points_key(page: Figure, panels: Iterable[Panel]) -> None:
-    """Write the legend of the points of some panels at the foot of a page."""
+    """Write a legend of the points in the panels at the foot of a page."""
     key: dict[str, Look] = {}
     for panel in panels:
         for source in (source for curve in panel.curves for source in curve.points):
@@ -78,12 +78,13 @@ def write_points_key(page: Figure, panels: Iterable[Panel]) -> None:
 
 
 def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
-    """Draw each figure on a page of one PDF, or each to a file ``figure_2.7.png`` in a folder.
+    """Draw figures and write them to a PDF or to a folder, and return the paths of the files.
 
-    A target that ends in .pdf is a PDF. A folder is created if it does not exist.
+    If ``target`` ends in .pdf, the PDF has one page for each figure. Otherwise ``target`` is a
+    folder, created if necessary, and receives a file such as ``figure_2.7.png`` for each figure.
 
     Raises:
-        OSError: if the folder cannot be created or the target cannot be written.
+        OSError: if the folder cannot be created or a file cannot be written.
     """
     if target.suffix.lower() == ".pdf":
         undated = {"CreationDate": None}
@@ -100,16 +101,16 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
 
 
 def heading(figure: Redrawn) -> str:
-    """Return the heading of a figure, with its number in bold letters and its title."""
+    """Return the number, in bold letters, and the title of a figure, as matplotlib's math text."""
     number, _, title = figure.heading.partition(": ")
     shown = number.replace(" ", "\\ ")
     return f"$\\bf{{{shown}}}$  {title}"
 
 
 def draw_panel(axes: Axes, panel: Panel | None, table: Sequence[Sequence[str]] = ()) -> None:
-    """Draw a panel with the names of its curves in a legend.
+    """Draw a panel with a legend of its curves. If ``panel`` is None, draw a table.
 
-    Without a panel draw a table, whose first row is its header and whose last row holds the totals.
+    ``table`` holds the rows of the table: first its header, last the totals.
     """
     if panel is None:
         axes.set_axis_off()
@@ -145,10 +146,10 @@ def draw_panel(axes: Axes, panel: Panel | None, table: Sequence[Sequence[str]] =
 
 
 def _limit(axes: Axes, panel: Panel) -> None:
-    """Set the range of the y axis.
+    """Set the range of the vertical axis.
 
-    A curve that varies only by rounding error then looks constant, and labels above marks have
-    room.
+    The range is so wide that a curve which varies only by rounding error looks constant. It leaves
+    space for labels above marked points.
     """
     values = panel.y.factor * np.concatenate([curve.theory for curve in panel.curves])
     high = float(values.max())

@@ -20,9 +20,12 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.style import MILLIMETRES, Look
 
-# Largest distance of a drawn bar from the hub's centre, over the wires' largest distance
+# Largest distance of a visible bar from the hub's centre, divided by the distance of the farthest
+# point of the wires
 BAR_SHOWN = 2.0
-POINTS = 201  # number of points of a straight piece of wire that are tried for a touch
+POINTS = (
+    201  # number of points of a straight segment of wire whose distances from other wires are tried
+)
 HUB_COLOUR = "#f3f3f3"
 BAR_COLOUR = "#bdbdbd"
 
@@ -33,9 +36,12 @@ GROUND: Look = {
 
 
 def show_points(axes: Axes, points: Sequence[ArrayLike], margin: float) -> None:
-    """Make axes show arrays of points, each of shape (..., 2), with equal scales in both directions.
+    """Set the limits of axes so that all given points are visible, with equal scales in x and y.
 
-    ``margin`` is the least width of the free border, as a fraction of the points' larger extent.
+    Args:
+        axes: the axes.
+        points: arrays of points, each of shape (..., 2), in the axes' unit.
+        margin: smallest width of the free border, as a fraction of the larger extent of the points.
     """
     every = np.concatenate([np.reshape(each, (-1, 2)) for each in points])
     extent = np.ptp(every, axis=0)
@@ -48,9 +54,15 @@ def show_points(axes: Axes, points: Sequence[ArrayLike], margin: float) -> None:
 
 
 def show_wires(axes: Axes, tool: Tool, lines: ArrayLike, margin: float = 0.05) -> None:
-    """Make axes show wires, a bar near them and the workpart's surface, in mm.
+    """Set the limits of axes (mm) so that wires and the workpart's surface are visible.
 
-    ``lines`` holds the points of the wires, shape (..., 2), m.
+    A bar is included unless it is far from the wires.
+
+    Args:
+        axes: the axes.
+        tool: tool whose bar and workpart are to be visible.
+        lines: points of the wires, shape (..., 2), m.
+        margin: width of the free border, as a fraction of the larger extent.
     """
     wires = np.asarray(lines)
     points = [wires]
@@ -63,13 +75,17 @@ def show_wires(axes: Axes, tool: Tool, lines: ArrayLike, margin: float = 0.05) -
 
 
 def points_per_unit(axes: Axes) -> float:
-    """Return the length, points, that a unit along the x axis has on paper."""
+    """Return the printed length (points of 1/72 inch) of one unit along the x axis."""
     width = axes.get_window_extent().width / axes.figure.dpi * 72.0
     return float(width / np.ptp(axes.get_xlim()))
 
 
 def add_arrows(axes: Axes, *colors: str) -> Quiver:
-    """Add arrows with the given colours; ``set_offsets`` moves and ``set_UVC`` turns them later."""
+    """Add one arrow for each colour; the arrows have no length yet.
+
+    The method ``set_offsets`` of the result places the arrows, and ``set_UVC`` sets their
+    components.
+    """
     none = np.zeros(len(colors))
     units: Look = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "dots"}
     look: Look = {"width": axes.figure.dpi / 24.0, "minlength": 0.0, "zorder": 5}
@@ -85,9 +101,15 @@ def draw_wires(
     margin: float = 0.05,
     radial: bool = False,
 ) -> list[WireDrawing]:
-    """Draw the tool and a scale bar, and return a drawing of a wire for each colour, to be placed.
+    """Draw the tool and a scale bar, and return one movable drawing of a wire for each colour.
 
-    ``lines`` and ``margin`` are those of :func:`show_wires`, ``radial`` that of the drawings.
+    Args:
+        axes: axes of the drawing, in mm.
+        tool: the tool.
+        lines: points of the wires, shape (..., 2), m; they set the limits of the axes.
+        colors: colours of the wires.
+        margin: width of the free border, as a fraction of the larger extent.
+        radial: whether the radial line through each root is drawn.
     """
     show_wires(axes, tool, lines, margin)
     draw_tool(axes, tool)
@@ -99,10 +121,11 @@ def draw_wires(
 
 
 def draw_tool(axes: Axes, tool: Tool) -> None:
-    """Draw hub, bar and workpart with their names, in axes with their final limits.
+    """Draw hub, bar and workpart with their names, in axes whose limits do not change any more.
 
-    The hub is the circle of the roots with its sense of rotation. A tool without bar or workpart is
-    drawn without them. The names are outlined so that they are legible on any background.
+    The hub is the circle on which the roots move, with an arrow in its sense of rotation. The bar
+    or the workpart may be absent. The names have a white outline, so that they are legible on any
+    background.
     """
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     size = high - low
@@ -128,26 +151,37 @@ def draw_tool(axes: Axes, tool: Tool) -> None:
 
 
 def draw_circle(axes: Axes, centre: Sequence[float], radius: float, **look: Any) -> None:
-    """Draw a hub or a bar, by default a bar; lengths in m, ``look`` as for a patch of matplotlib."""
+    """Draw the circle of a hub or bar.
+
+    ``centre`` and ``radius`` are in m; the axes are in mm. ``look`` are matplotlib's options for a
+    patch; they replace the style of a bar.
+    """
     bar = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
     x, y = (MILLIMETRES * each for each in centre)
     axes.add_patch(Circle((x, y), MILLIMETRES * radius, **(bar | look)))
 
 
 def toward(angle: ArrayLike) -> Array:
-    """Return the unit vector (sin, -cos) at an angle from the downward direction.
+    """Return the unit vector (sin a, -cos a) at an angle a (rad) from the downward direction.
 
-    The angle is in rad. The result has the shape (*angle.shape, 2).
+    The result has the shape (*angle.shape, 2).
     """
     return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
 
 def touch_places(lines: Sequence[Array], diameter: float) -> Array:
-    """Return the points where neighbouring wires touch, from the hub's centre (mm), shape (touches,
-    2).
+    """Return the points at which neighbouring wires touch, mm from the hub's centre.
 
-    Two wires touch if they are within 1.05 wire diameters, from centre line to centre line.
-    ``lines`` holds the centre lines, each of shape (corners, 2), m; ``diameter`` is in m.
+    Two wires count as touching if the distance between their centre lines is less than 1.05 wire
+    diameters.
+
+    Args:
+        lines: centre lines of the wires in their order along the hub, each of shape (corners, 2),
+            m.
+        diameter: diameter of the wires, m.
+
+    Returns:
+        The points, shape (touches, 2).
     """
     places = []
     for one, other in pairwise(
@@ -161,8 +195,8 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
 
 
 class WireDrawing:
-    """The drawing of a wire and its root, with the radial line through the root if it is
-    ``radial``.
+    """Movable drawing of a wire and its root, and if requested of the radial line through the
+    root.
     """
 
     def __init__(
@@ -174,9 +208,10 @@ class WireDrawing:
         alpha: float = 1.0,
         radial: bool = False,
     ) -> None:
-        """Draw the wire to scale, half a point wider so that a thin wire is visible.
+        """Add the drawing to axes whose limits do not change any more.
 
-        ``axes`` must have their final limits.
+        The wire is drawn to scale, plus half a point so that a thin wire is visible. ``radial``
+        adds the radial line through the root.
         """
         thickness = 0.5 + points_per_unit(axes) * tool.bristle.wire_diameter * MILLIMETRES
         ends: Look = {"solid_capstyle": "butt", "solid_joinstyle": "miter"}
@@ -189,9 +224,10 @@ class WireDrawing:
         self.reach = 1.0 + tool.bristle.length / max(tool.hub.radius, 1e-300)
 
     def place(self, centre_line: Array) -> None:
-        """Move the drawing to a new position of the wire.
+        """Move the drawing to a position of the wire.
 
-        ``centre_line`` holds the corners of the wire from the hub's centre, shape (corners, 2), m.
+        ``centre_line`` holds the wire's root, hinges or knee, and tip, relative to the hub's
+        centre, shape (corners, 2), m.
         """
         corners = np.asarray(centre_line) * MILLIMETRES
         root = corners[0]

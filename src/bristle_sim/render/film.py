@@ -35,9 +35,11 @@ HIGHEST_RATE = {".gif": 50.0, ".mp4": 1000.0}
 """Largest number of frames per second, by file suffix. A gif counts time in hundredths of a second."""
 
 LONGEST_FILM = 3600.0  # longest film, s
-NODES = 4001  # number of nodes of a TimeWarp; a slow part as short as 1/1000 of the run is smooth
-HEADER = 0.135  # height of caption and read-outs above the drawing, as a fraction of the picture
-# Left edges of the read-outs, as fractions of the picture's width
+# Number of nodes of a TimeWarp. Slow motion of an interval as short as 1/1000 of the run is still
+# smooth.
+NODES = 4001
+HEADER = 0.135  # height of the header, as a fraction of the picture; it has caption and read-outs
+# Left edges of the read-outs in the header, as fractions of the picture's width
 LEFTS = (0.02, 0.25, 0.47, 0.735)
 # Resolution of a picture of default size. A picture of another size has another resolution, so that
 # letters and lines keep their size relative to the picture.
@@ -50,24 +52,24 @@ GIF_SAMPLES = 30
 class TimeWarp(NamedTuple):
     """Piecewise linear map between the time of a run and the time in its film.
 
-    ``film`` and ``physical`` are these times at common nodes (s), both ascending.
+    Attributes:
+        film: times in the film, s, ascending.
+        physical: corresponding times in the run, s, ascending.
     """
 
     film: Array
     physical: Array
 
     def physical_time(self, film_time: ArrayLike) -> Array:
-        """Return the time in the run (s) that is shown at a time in the film (s)."""
+        """Return the time in the run (s) that the film shows at a given time in the film (s)."""
         return np.asarray(np.interp(np.asarray(film_time), self.film, self.physical))
 
     def film_time(self, physical_time: ArrayLike) -> Array:
-        """Return the time in the film (s) at which a time in the run (s) is shown."""
+        """Return the time in the film (s) at which a given time in the run (s) is shown."""
         return np.asarray(np.interp(np.asarray(physical_time), self.physical, self.film))
 
     def slow_down_at(self, film_time: ArrayLike) -> Array:
-        """Return the slow-down factor at a time in the film, s: seconds of film for one second of
-        the run.
-        """
+        """Return the slow-down at a time in the film (s): seconds of film per second of the run."""
         slow_down = np.gradient(self.film, self.physical)
         return np.asarray(np.interp(np.asarray(film_time), self.film, slow_down))
 
@@ -81,21 +83,22 @@ def slow_motion(
     slower: float = 4.0,
     width: float = 0.04,
 ) -> TimeWarp:
-    """Return the map from run time to film time for a film that slows down at chosen instants.
+    """Return the map between run time and film time for a film that slows down at chosen times.
 
-    The slow-down factor is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)). The t_i are
-    the instants ``focus`` (s) and w = ``width`` (end - start). The factor s_0 makes the integral of
-    s over the run equal to the duration of the film.
+    The slow-down at the run time t is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)).
+    The t_i are the times ``focus``, and w = ``width`` (end - start). The factor s_0 gives the film
+    its duration, the integral of s(t).
 
     Args:
         start, end: first and last time of the run, s.
         duration: duration of the film, s.
-        focus: instants at which the film is slowest, s.
-        slower: slow-down at these instants over the slow-down far from them.
-        width: width of a slow part, as a fraction of the run.
+        focus: times of the run at which the film is slowest, s.
+        slower: factor between the slow-down at these times and that far from them.
+        width: width w of a slow interval, as a fraction of the run.
 
     Raises:
-        ValueError: if run or film have no duration, or ``slower`` is less than 1.
+        ValueError: if ``end`` is not after ``start``, or ``duration`` or ``slower`` is out of
+            range.
     """
     if not end > start:
         raise ValueError(
@@ -119,14 +122,16 @@ def slow_motion(
 class Film(ABC):
     """Base class of films.
 
-    A subclass draws the picture below the header and moves its parts to a given time.
+    A subclass draws the picture below the header. Its method ``move`` moves the moving parts to a
+    time of the run.
 
     Attributes:
         size: default width and height of the picture, px.
-        letter_size: height of the letters of caption and read-outs in a picture of default size, px.
-        moving: artists that are drawn in every frame, in this order, over all still artists.
-        hands: vertical lines in the panels over time, which mark the present time.
-        texts: caption and read-outs.
+        letter_size: height of the header's letters in a picture of default size, px.
+        moving: artists that change from frame to frame, in drawing order. They are drawn over all
+            other artists.
+        hands: vertical lines that mark the present time in panels over time.
+        texts: texts of the header: the caption, the time, the slow-down and further read-outs.
         canvas: canvas of the figure.
     """
 
@@ -141,10 +146,13 @@ class Film(ABC):
         colours: Sequence[str],
         clock: Scale | None = None,
     ) -> None:
-        """Prepare an empty picture.
+        """Prepare a picture that has only its header.
 
-        ``colours`` are the colours of the read-outs other than time and slow-down. ``clock`` is the
-        unit of the displayed time, by default ms.
+        Args:
+            warp: map between the time of the run and the time in the film.
+            width, height: size of the picture, px.
+            colours: colours of the read-outs that follow time and slow-down.
+            clock: unit of the displayed time, by default ms.
         """
         if not all(16 <= edge <= 8192 for edge in (width, height)):
             raise ValueError(
@@ -167,7 +175,10 @@ class Film(ABC):
         self.texts: tuple[str, ...] = ()
 
     def add_timeline(self, place: tuple[float, float, float, float]) -> Axes:
-        """Add a panel over the time of the run, with a vertical line that marks the present time."""
+        """Add a panel over the time of the run, with a vertical line that marks the present time.
+
+        ``place`` is left, bottom, width and height as fractions of the picture.
+        """
         axes = self.figure.add_axes(place)
         axes.set_xlim(*self.warp.physical[[0, -1]] * self.clock.factor)
         self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
@@ -175,12 +186,14 @@ class Film(ABC):
 
     @abstractmethod
     def move(self, time: float) -> Sequence[str]:
-        """Move all parts to a time in the run (s) and return the caption and the read-outs as
-        texts.
+        """Move all moving parts to a time in the run (s).
+
+        Returns:
+            The caption, followed by the texts of the read-outs.
         """
 
     def show(self, film_time: float) -> None:
-        """Move all parts to a time in the film, s."""
+        """Move all moving parts to a time in the film (s), and update the texts of the header."""
         time = float(self.warp.physical_time(film_time))
         slow = float(self.warp.slow_down_at(film_time))
         shown = time * self.clock.factor
@@ -193,7 +206,7 @@ class Film(ABC):
     def frame(self, film_time: float) -> Image.Image:
         """Return the picture at a time in the film (s).
 
-        The still parts are drawn once, for the first frame.
+        Parts that do not move are drawn only for the first frame.
         """
         self.show(film_time)
         if self._still is None:
@@ -217,13 +230,14 @@ class Film(ABC):
         return picture
 
     def write(self, path: str | Path, fps: float = 30.0) -> Path:
-        """Write the film to an mp4 or gif file, which appears only when it is complete.
+        """Write the film to an mp4 or gif file.
 
-        The last frame shows the end of the run. ``fps`` is the number of frames per second.
+        The file appears only when it is complete. The last frame shows the end of the run. ``fps``
+        is the number of frames per second.
 
         Raises:
-            ValueError: for a file that cannot be written, an mp4 without imageio-ffmpeg, or
-                settings out of range.
+            ValueError: if the path is not that of an mp4 or gif file, imageio-ffmpeg is missing for
+                an mp4, or ``fps`` or the size is not possible in this format.
             OSError: if the encoder fails.
         """
         target = checked_target(path, tuple(HIGHEST_RATE))
@@ -251,16 +265,17 @@ class Film(ABC):
 
 @lru_cache(maxsize=8)
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
-    """Return a font of matplotlib for the library Pillow, which draws text twenty times as fast."""
+    """Return a font of matplotlib for the library Pillow, which draws text much faster."""
     return ImageFont.truetype(
         str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size
     )
 
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
-    """Yield the time of each frame in turn, and show a progress bar meanwhile.
+    """Return the times of the frames as an iterable that shows a progress bar.
 
-    The progress bar needs a terminal as standard error, and the package tqdm.
+    The progress bar is absent if standard error is not a terminal or the package tqdm is not
+    installed.
     """
     with contextlib.suppress(ImportError):
         if sys.stderr is not None and sys.stderr.isatty():

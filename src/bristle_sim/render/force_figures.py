@@ -19,16 +19,18 @@ from bristle_sim.studies.force_comparison import ForceComparison
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 from bristle_sim.theory.force_history import BRISTLE
 
-# Time shown before and after the contact, as a fraction of its duration, where the file has
-# samples.
+# Time shown before and after the contact, as a fraction of its duration, if the measured force has
+# samples there
 BESIDE = 0.25
 
 
 @styled()
 def force_figure(comparison: ForceComparison) -> Figure:
-    """Draw contact force over time (us): chapter 3's curve, measured points, simulated force.
+    """Draw the contact force (N) over time (us).
 
-    The simulated force is shown as the resultant and its components.
+    The curve is the formula of chapter 3 or a fit to a measured force. Measured points and a
+    simulated contact are drawn if there are any. Of the simulated force, the resultant and its
+    components are drawn.
     """
     curve = comparison.curve
     measured = comparison.measured
@@ -66,15 +68,18 @@ def force_figure(comparison: ForceComparison) -> Figure:
     return figure
 
 
-PASSES = 12  # number of bristles that pass in the second panel
+PASSES = 12  # number of consecutive passes of bristles in the second panel
 
 
 @styled()
 def whole_tool_figure(whole: WholeTool | None) -> Figure:
-    """Draw the normal forces of the tool on the workpart, N, and the impulses of its impacts, mN·s.
+    """Draw the normal force of the whole tool on the workpart, and that of one bristle.
+
+    One panel shows sustained forces (N) and impulses of impacts (mN·s) of one bristle during a
+    revolution of the hub. The other shows the force (N) of all bristles that a load cell reads.
 
     Raises:
-        ValueError: if ``whole`` is None, since the bristle completes no turn.
+        ValueError: if ``whole`` is None, because the bristle completes no revolution.
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
@@ -104,7 +109,10 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
 
 
 def _draw_turn(axes: Axes, whole: WholeTool) -> None:
-    """Draw sustained forces of a bristle on the workpart, and impulses on the right scale."""
+    """Draw sustained forces of one bristle on the workpart, and impulses of its impacts.
+
+    The impulses have a scale on the right. The horizontal axis is the hub's angle of rotation.
+    """
     turned = np.degrees(whole.tool.hub.speed)
     impulses = add_right_scale(axes)
     for scale in (axes, impulses):

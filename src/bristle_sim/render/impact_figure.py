@@ -1,6 +1,6 @@
 """Figure of a single impact: velocities of the tip over the normal impulse.
 
-The energetic law is compared with a contact that is resolved in time.
+The energetic law is compared with a contact that is simulated in time.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ LINES = {"tangential_velocity": ("tangential", VERMILION), "normal_velocity": ("
 
 @styled()
 def impact_figure(impacts: Impacts) -> Figure:
-    """Draw the velocities of the tip over the normal impulse of an impact.
+    """Draw the tip's velocity components over the normal impulse during an impact.
 
-    The energetic law is drawn as lines, a contact that is resolved in time as crosses.
+    Lines are the energetic law. Crosses are a contact simulated in time, if there is one.
     """
     surface = impacts.surface
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
@@ -60,12 +60,13 @@ def impact_figure(impacts: Impacts) -> Figure:
 
 
 def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCourse | None) -> None:
-    """Draw the tip's velocities over the normal impulse, with the phases of the impact shaded.
+    """Draw the tip's velocity components over the normal impulse, with the impact's phases shaded.
 
     Args:
         axes: axes of the drawing.
-        course: the energetic law, drawn as straight lines.
-        recorded: a contact resolved in time, drawn as crosses.
+        course: velocities by the energetic law, drawn as lines.
+        recorded: velocities of a contact simulated in time, drawn as crosses; None if there is no
+            such contact.
     """
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
     impulse = scale_for(float(course.impulse[-1]), "N·s")

@@ -36,26 +36,27 @@ BEFORE = 0.10
 AFTER = 0.18
 # Length of the arrow of the largest force, as a fraction of the height of the enlarged drawing
 LONGEST_FORCE = 0.28
-# Least depth at separation for which the picture has an explanation, over the largest depth
+# Depth of the tip at separation, as a fraction of the largest depth, from which on a text in the
+# picture explains it
 CRATER = 0.02
 ROD = "#bcd9ec"  # colour of the enlarged end of the rod
-ROD_WIDTH = 16.0  # its width, not to scale, points
+ROD_WIDTH = 16.0  # width of the enlarged end of the rod, not to scale, points of 1/72 inch
 
 
 @dataclass(frozen=True, slots=True)
 class ContactMotion:
-    """Motion and forces of a contact over time, with free motion before and after it, in SI units.
+    """Motion and forces during a contact, with free motion before and after it.
 
     Values between two samples are interpolated linearly. Where a force jumps, two samples have the
     same time.
 
     Attributes:
-        time: times from the first touch, s; negative before it.
-        samples: velocities of the tip (``normal_velocity``, ``tangential_velocity``, m/s), forces
-            on it (``normal_force``, ``tangential_force``, N), and its displacement since the first
-            touch, ``along`` the surface and ``away`` from it, m.
-        phases: phases of the impact with their start times, for example ``compression slip``. The
-            first is the arrival, the last is the outcome.
+        time: times of the samples from the first touch, s; negative before it.
+        samples: quantities of the tip at these times, by name. ``normal_velocity`` and
+            ``tangential_velocity`` are in m/s, ``normal_force`` and ``tangential_force`` in N. The
+            displacement since the first touch, ``along`` the surface and ``away`` from it, is in m.
+        phases: phases of the motion with their start times. The first is the arrival; then follow
+            phases of the impact such as ``compression slip``; the last is the outcome.
         touch_end: end of the contact, s.
     """
 
@@ -65,22 +66,25 @@ class ContactMotion:
     touch_end: float
 
     def largest(self, kind: str) -> float:
-        """Return the largest magnitude over time of the velocity or of the force."""
+        """Return the largest magnitude over time of a vector.
+
+        ``kind`` is ``velocity`` (m/s) or ``force`` (N).
+        """
         return float(np.hypot(*(self.samples[f"{part}_{kind}"] for part in COLOURS)).max())
 
     def at(self, time: float, *names: str) -> Array:
-        """Return quantities at a time, s."""
+        """Return quantities at a time (s), one for each name in ``names``, a key of ``samples``."""
         return np.array([np.interp(time, self.time, self.samples[name]) for name in names])
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
-    """Return motion and forces of a recorded contact over time.
+    """Return motion and forces over time of a recorded contact.
 
-    A tip that does not leave the surface remains at rest after the contact.
+    A tip that stays on the surface is at rest after the contact.
 
     Raises:
-        ValueError: if the contact has no history: its law is instantaneous, or the tip did not
-            approach.
+        ValueError: if the contact has no history, because its law is instantaneous or the tip did
+            not approach.
     """
     history = record.history
     if history is None or history.time.size < 2:
@@ -112,10 +116,10 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
 
 
 class TipDrawing:
-    """Drawing of the enlarged tip: surface and path to scale, the rod's end and the forces not to
-    scale.
+    """Enlarged drawing of the tip with its path and the forces on it.
 
-    ``moving`` holds the moving artists.
+    Surface and path are to scale; the rod's end and the force arrows are not. ``moving`` holds the
+    artists that move.
     """
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array) -> None:
@@ -148,7 +152,10 @@ class TipDrawing:
             axes.text(0.03, 0.03, why, transform=axes.transAxes, fontsize=7.0)
 
     def move(self, time: float) -> None:
-        """Move the rod's end, its path so far and the arrows of the forces to a time, s."""
+        """Move the drawing to a time from the first touch, s.
+
+        The path up to this time is drawn.
+        """
         motion = self._motion
         tip = self._factor * motion.at(time, "along", "away")
         past = self._path[: np.searchsorted(motion.time, time, side="right")]
@@ -161,10 +168,10 @@ class TipDrawing:
 
 
 class ImpactFilm(Film):
-    """Film of an impact whose contact has a finite duration, by the compliant law.
+    """Film of an impact with a contact of finite duration, by the compliant contact law.
 
-    :func:`bristle_sim.studies.timed_contact.with_visible_contact` returns impacts that can be
-    filmed.
+    The function :func:`bristle_sim.studies.timed_contact.with_visible_contact` computes impacts
+    that can be filmed.
 
     Raises:
         ValueError: if the impact is instantaneous.
@@ -208,7 +215,7 @@ class ImpactFilm(Film):
         self.figure.text(0.98, 0.985, words, ha="right", va="top", color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move the tip to a time, s."""
+        """Move the tip to a time from the first touch, s."""
         self.tip.move(time)
         velocity = self.speed.factor * self.motion.at(
             time, "normal_velocity", "tangential_velocity"
@@ -221,7 +228,13 @@ class ImpactFilm(Film):
         return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
 
     def _draw_panel(self, bottom: float, title: str, unit: str) -> Axes:
-        """Draw both parts of the tip's velocity, or of the force on it, over time."""
+        """Add a panel with the normal and tangential components of a vector over time.
+
+        Args:
+            bottom: lower edge of the panel, as a fraction of the picture.
+            title: title of the panel; its first word is ``velocity`` or ``force``.
+            unit: SI unit of the vector.
+        """
         motion = self.motion
         kind = title.partition(" ")[0]
         scale = scale_for(motion.largest(kind), unit)
@@ -241,12 +254,12 @@ class ImpactFilm(Film):
 
 
 def draw_rods(axes: Axes, centre_line: Array, hub_radius: float) -> None:
-    """Draw the rods at the strike, with their root and hinges as dots.
+    """Draw the rods at the strike; dots mark the root and the hinges.
 
     Args:
         axes: axes of the drawing.
-        centre_line: root, hinges and tip from the hub's centre, shape (corners, 2), m.
-        hub_radius: the hub's radius, m; zero for a fixed root.
+        centre_line: root, hinges and tip relative to the hub's centre, shape (corners, 2), m.
+        hub_radius: radius of the hub, m. It is zero if the root is fixed.
     """
     show_points(axes, [centre_line], 0.35)
     axes.set_axis_off()

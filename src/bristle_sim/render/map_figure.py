@@ -24,10 +24,16 @@ MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work",
 
 @style.styled()
 def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> Figure:
-    """Draw lag, tip speed, normal work of compression and crater depth over the bar's position.
+    """Draw maps of four quantities of the strike over the bar's position.
 
-    The cells where the bar cues no strike are white. ``x``, ``y`` and ``maps`` are the result of
-    :func:`bristle_sim.studies.cue_map.position_map`.
+    The quantities are lag, tip speed, normal work of compression and crater depth. White cells are
+    positions at which the bar does not lead to a cued strike.
+
+    Args:
+        found: the study, with the bar positions to mark.
+        x, y: coordinates of the bar on the maps, m.
+        maps: values of the quantities by name, as returned by
+            :func:`bristle_sim.studies.cue_map.position_map`.
     """
     assert found.tool.bar is not None
     distance = math.hypot(*found.tool.bar.centre) * style.MILLIMETRES

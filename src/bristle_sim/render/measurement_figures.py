@@ -35,10 +35,11 @@ SPHERES = {
 
 @styled()
 def measured_figure(compliance: float) -> Figure:
-    """Draw velocity ratio, spin and rebound angle of spheres over the angle of incidence.
+    """Draw the rebound of spheres over the angle of incidence, as measured and as computed.
 
-    Points are measured. Curves are the law of impact for a contact that is rigid along the surface,
-    and for one whose ratio of tangential to normal compliance is ``compliance``.
+    The panels show the ratio of tangential velocities, the spin and the rebound angle. Points are
+    measured. One curve is computed for a contact that is rigid along the surface, the other for an
+    elastic one. ``compliance`` is the ratio of its tangential to its normal compliance.
     """
     figure = blank_figure(16.0, 7.2)
     angle = np.linspace(0.5, 62.0, 400)
@@ -58,10 +59,10 @@ MAPS = {
     "compression_time": ("first compression (µs)", MICROSECONDS),
     "crater_depth": ("deepest crater (µm)", MICROMETRES),
 }
-"""Title and conversion factor of each map."""
+"""Title of each map, and factor from SI units to the unit in the title."""
 
-# Values larger than this multiple of the measured one are left out of the contour, which would follow
-# their jump.
+# Values larger than this multiple of the measured value do not count for the contour. The contour
+# would otherwise follow the edge at which the values jump.
 MOST_ABOVE = 3.0
 SMEAR = 9  # number of positions of the wire that are drawn for one exposure
 NEAREST: Look = {"color": BLACK, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
@@ -76,9 +77,10 @@ LOOKS: dict[str, Look] = {
 
 @styled()
 def film_map_figure(film: FilmMap) -> Figure:
-    """Draw maps of the number of touches, the compression time and the crater depth.
+    """Draw a comparison of simulated strikes with a high-speed film.
 
-    Panels below show the pass that is nearest to the measurement, as a high-speed camera films it.
+    Maps show the number of touches, the compression time and the crater depth. Panels below them
+    show the pass that is nearest to the measurement, as the camera would film it.
     """
     figure = blank_figure(16.0, 12.5)
     above, below = figure.subfigures(2, squeeze=False).flat
@@ -99,8 +101,15 @@ def film_map_figure(film: FilmMap) -> Figure:
 
 
 def _draw_map(axes: Axes, film: FilmMap, values: Array, measured: float) -> None:
-    """Draw a map over the contact's duration and the wire's damping, with the contour at which the
-    values are as measured.
+    """Draw a map over the contact's duration and the wire's damping ratio.
+
+    The contour is where the values equal the measured value.
+
+    Args:
+        axes: axes of the map.
+        film: the compared passes.
+        values: values of the map, in the unit shown.
+        measured: measured value, in the unit shown.
     """
     x, y = (np.arange(each.size) + 0.5 for each in (film.durations, film.dampings))
     axes.grid(visible=False)
@@ -118,10 +127,10 @@ def _draw_map(axes: Axes, film: FilmMap, values: Array, measured: float) -> None
 
 
 def _draw_frames(frames: Axes, height: Axes, film: FilmMap) -> None:
-    """Draw the camera's frames of the wire, blurred by the exposure, and the tip's height over
-    time.
+    """Draw the wire in the frames of a camera, and the tip's height over time.
 
-    The exposures are marked in the curve of the height.
+    The wire is blurred by its motion during an exposure. The exposures are marked on the curve of
+    the height.
     """
     strike = film.run.event_time("strike") or 0.0
     ground = -MILLIMETRES * film.tool.workpart_depth

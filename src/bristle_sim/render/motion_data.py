@@ -1,6 +1,6 @@
 """The motion of a run as numbers for an HTML page.
 
-The page interpolates between the numbers and shows the same motion as :meth:`Trajectory.at`.
+The page interpolates between the numbers. It shows the same motion as :meth:`Trajectory.at`.
 """
 
 from __future__ import annotations
@@ -16,40 +16,47 @@ from bristle_sim.render.story import phases, story_end
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS
 from bristle_sim.trajectory import ContactRecord, Interpolation, Motion, Trajectory
 
-TRIED = 0.4  # fraction of an interval where the page's interpolation is tried: errors do not cancel there
+# Point of an interval, as a fraction of its length, at which the error of interpolation is evaluated.
+# In the middle of the interval errors may cancel.
+TRIED = 0.4
 
 LINE_SHOWN = 0.001
 RETRACTION_SHOWN = 0.001
 SPEED_SHOWN = 0.01
-"""Largest errors of the page's interpolation: centre line, mm; retraction, degrees; tip speed, m/s.
-Each is at most a tenth of the last digit that the page shows."""
+"""Largest permitted errors of the page's interpolation, in mm, degrees and m/s.
+
+They are those of the centre line, the retraction and the tip speed. Each is at most a tenth of the
+last digit that the page shows."""
 
 FINEST_FORCE = 0.01
 FORCE_RATIO = 1e-3
-"""Smallest place value of the last digit of the force that the page shows, N; and smallest ratio of
-that place value to the largest force in the contact.
+"""Smallest place value (N) of the last digit of a force on the page, and its smallest ratio to the
+largest force of the contact.
 
-A contact that lasts 0.4 ns reaches 10 MN. To give its force to 10 mN would take a hundred thousand
-nodes."""
+The ratio bounds the number of nodes. The force of a contact that lasts 0.4 ns reaches 10 MN, and to
+show it to 10 mN would take a hundred thousand nodes."""
 
-FORCE_ERROR = 0.09  # largest error of the force, over the place value of its last digit
-# Largest number of numbers in a page's motion; at 12 bytes each it stays below 2 MB
+FORCE_ERROR = (
+    0.09  # largest permitted error of the force, divided by the place value of its last digit
+)
+# Largest count of numbers in the data of a page. At 12 bytes for a number the data stay below 2 MB.
 MOST_NUMBERS = 100_000
 STRIKE_SHOWN = 0.01  # time for which an instantaneous impact is shown, as a fraction of the run
 ROUNDS = 40  # largest number of rounds of halving
-WORST = 0.5  # least error of the intervals that are halved in a round, over the largest error
-JUMP = 1e-9  # smallest difference before and after an instant that counts as a jump, in the page's units
+WORST = 0.5  # least error of an interval that is halved in a round, divided by the largest error
+JUMP = 1e-9  # smallest discontinuity that counts as a jump, in the page's units
 
 
 def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
-    """Return the motion of a pass as JSON data for an HTML page, up to the last instant shown.
+    """Return the motion of a pass as JSON data for an HTML page, up to the last time shown.
 
-    Times are in ms, lengths in mm, velocities in m/s, angles in degrees; the hub's angle is in rad.
+    Times are in ms, lengths in mm, velocities in m/s, forces in N and angles in degrees. Only the
+    hub's angle is in rad.
 
-    The data hold the motion at chosen times, the nodes. Between nodes the page interpolates centre
-    line and retraction by cubic Hermite polynomials, and the force linearly. Two nodes at the same
-    time are the motion before and after a jump. ``drawn`` states the number of nodes and the
-    errors.
+    The data hold the state at chosen times, the nodes. Between nodes the page interpolates the
+    centre line and the retraction by cubic Hermite polynomials, and the force linearly. At a jump
+    there are two nodes with the same time. The text ``drawn`` states the number of nodes and the
+    errors of the interpolation.
     """
     end = story_end(run)
     intervals, error = _intervals(run, end)
@@ -94,15 +101,16 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 
 
 def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
-    """Return the intervals between the nodes, up to the first sample at or after the time ``end``, s.
+    """Choose the nodes of the page, and return the intervals between them.
 
-    The first nodes are samples of the run. Intervals with large errors are halved, until the page's
-    interpolation is exact to the digits shown or the page has all the numbers that it may.
+    The last node is the first sample of the run at or after the time ``end`` (s). The first choice
+    of nodes is from the samples of the run. Then intervals with large errors are halved. This stops
+    when the interpolation is exact to the digits shown, or when the data reach their largest size.
 
     Returns:
-        The states at the beginning and at the end of each interval, shape (2, 2, intervals,
-        columns), where the last two axes and the one before are those of :func:`_states`; and the
-        largest error, over the error that the page does not show.
+        States at the beginning and at the end of every interval. The array has the shape (2, 2,
+        intervals, columns): beginning or end, value or time derivative, interval, and column as in
+        :func:`_states`. The second result is the largest error, divided by the permitted error.
     """
     motion = Interpolation(run, run.contacts)
     last = int(np.searchsorted(run.time, run.time[np.searchsorted(run.time, end)], side="right"))
@@ -134,8 +142,11 @@ def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
 
 
 def _errors(run: Trajectory, motion: Interpolation, intervals: Array) -> Array:
-    """Return the error of the page's interpolation in each interval, over the error that the page
-    does not show.
+    """Return the error of the page's interpolation in each interval, divided by the permitted
+    error.
+
+    The error is evaluated at one time within the interval, and is the largest of all quantities.
+    ``intervals`` is as returned by :func:`_intervals`.
     """
     (p, v), (q, w) = intervals
     s = TRIED
@@ -167,12 +178,14 @@ def _errors(run: Trajectory, motion: Interpolation, intervals: Array) -> Array:
 
 
 def _states(motion: Motion | Trajectory) -> Array:
-    """Return values and time derivatives of the quantities that the page interpolates, shape (2,
-    instants, columns).
+    """Return the quantities that the page interpolates, and their time derivatives.
 
     The columns are the time (ms), the corners of the centre line (mm), the retraction (degrees) and
-    the force, N. Derivatives are per ms; those of time and force are not used. Velocities need no
-    conversion, since 1 m/s is 1 mm/ms.
+    the normal force (N). Derivatives are per ms; those of time and force are not used. Velocities
+    need no conversion, since 1 m/s is 1 mm/ms.
+
+    Returns:
+        Array of shape (2, instants, columns): values, then derivatives.
     """
     rows = motion.time.size
     time = motion.time * MILLISECONDS
@@ -186,7 +199,7 @@ def _states(motion: Motion | Trajectory) -> Array:
 
 
 def _force_digit(run: Trajectory, contact: ContactRecord) -> float:
-    """Return the place value of the last digit of the force that the page shows in a contact, N."""
+    """Return the place value (N) of the last digit of the normal force shown during a contact."""
     during = (run.time >= contact.time) & (run.time <= contact.time + contact.duration)
     largest = float(run.normal_force[during].max(initial=0.0)) if contact.duration else 0.0
     digit = max(FINEST_FORCE, FORCE_RATIO * largest)

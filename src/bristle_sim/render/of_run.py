@@ -22,23 +22,34 @@ MARGIN = 0.05  # width of the free border of a summary's drawing, as a fraction 
 
 
 def plot(run: Trajectory, until: float | None) -> Figure:
-    """Draw a run up to a time, s; by default until shortly after the tip has left the workpart."""
+    """Draw a run up to the time ``until``, s.
+
+    By default it is shortly after the tip has left the workpart.
+    """
     return pass_figure(run, run.tool, until=until)
 
 
 def film(
     run: Trajectory, path: str | Path, fps: float, size: tuple[int, int], options: Mapping[str, Any]
 ) -> Path:
-    """Write a film of a run; ``fps`` is the number of frames per second, ``size`` is in px."""
+    """Write a film of a run, and return its path.
+
+    Args:
+        run: the run.
+        path: an mp4 or gif file.
+        fps: number of frames per second.
+        size: width and height of the picture, px.
+        options: further options of :func:`bristle_sim.render.tool_films.pass_film`.
+    """
     from bristle_sim.render.tool_films import pass_film
 
     return pass_film(run, run.tool, width=size[0], height=size[1], **options).write(path, fps)
 
 
 def view(run: Trajectory) -> Html:
-    """Return an HTML frame that shows the motion of a run with a slider.
+    """Return an HTML frame for a notebook that shows the motion of a run with a slider.
 
-    The frame keeps its style separate from the notebook's page.
+    The style of the frame does not affect the notebook's page.
     """
     page = filled("report.html.jinja", alone=True, name="run", motion=motion_data(run, run.tool))
     look = 'style="width:100%;height:44rem;border:0" title="motion of the run"'
@@ -48,8 +59,8 @@ def view(run: Trajectory) -> Html:
 def summary_page(run: Trajectory) -> str:
     """Return the summary of a run as HTML, with a drawing to scale.
 
-    The drawing shows the tip's path, the wire at the strike or at the end of the run, and the tool
-    if it is known.
+    The drawing shows the tip's path, and the wire at the strike or, without a strike, at the end of
+    the run. It shows the tool if the run has the parameters of one.
     """
     contact = run.first_contact("workpart")
     tool = None

@@ -31,15 +31,16 @@ from bristle_sim.render.style import (
 from bristle_sim.trajectory import Event, Motion, Trajectory
 
 _WIRES = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
-"""Events at which the tool's drawing shows the wire, with their colour. Other events are grey."""
+"""Events at which the wire is drawn, with the wire's colour. The marks of other events are grey."""
 
 Rows = dict[str, dict[str, tuple[Array, Look]]]
-"""The curves of panels over time, by the label of the panel and the name of the curve: values and
-plot options."""
+"""Values and plot options of the curves over time.
+
+The keys are the label of the panel and the name of the curve."""
 
 
 class _Mark(NamedTuple):
-    """An event of the pass that every panel marks, with its number and colour."""
+    """An event of the pass that is marked in every panel, with its number and colour."""
 
     number: int
     event: Event
@@ -47,16 +48,21 @@ class _Mark(NamedTuple):
 
     @property
     def look(self) -> Look:
-        """Style of the event's number."""
+        """Style with which the event's number is drawn as a marker."""
         return {"marker": f"${self.number}$", "color": self.color, "linestyle": "none", "zorder": 6}
 
 
 @styled()
 def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = None) -> Figure:
-    """Draw a pass: tool and tip path to scale (mm), and curves over time (ms).
+    """Draw a pass: the tool with the tip's path to scale (mm), and curves over time (ms).
 
-    The curves are retraction, relative rate and energy. ``until`` is the last time shown, s; by
-    default shortly after the tip has left the workpart.
+    The curves are the retraction, the angular velocity relative to the hub and the energy. The
+    normal force of contacts has a panel too, unless it is zero throughout.
+
+    Args:
+        trajectory: motion of the pass.
+        tool: the tool.
+        until: last time shown, s; by default shortly after the tip has left the workpart.
 
     Raises:
         ValueError: if the trajectory has fewer than two samples.
@@ -83,9 +89,10 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
 
 @styled()
 def pair_figure(names: Sequence[str], runs: Sequence[Trajectory]) -> Figure:
-    """Draw retraction, relative rate and tip speed of two passes over time (ms).
+    """Draw two passes over time (ms) for comparison.
 
-    A dashed line marks each strike. ``names`` are the labels of the two passes.
+    The panels show the retraction, the angular velocity relative to the hub and the tip speed.
+    Dashed lines mark the strikes. ``names`` are the labels of the two passes.
     """
     figure = blank_figure(16.0, 11.6)
     end = max(story_end(run) for run in runs)
@@ -129,10 +136,9 @@ def _rows(course: Motion, tool: Tool) -> Rows:
 
 
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
-    """Return the events to mark, numbered from 1.
+    """Return the events to mark up to the time ``until`` (s), numbered from 1.
 
-    If the bristle starts away from the radial direction, the start is marked too, with the number
-    0.
+    If the bristle starts away from the radial direction, the start is marked too, as number 0.
     """
     events = key_events(trajectory, until)
     first = 1
@@ -167,9 +173,10 @@ def _draw_lines(
 def _draw_tool(
     axes: Axes, course: Motion, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
 ) -> list[Artist]:
-    """Draw the tool, the tip's path, and the wire at some events.
+    """Draw the tool, the tip's path, and the wire at some of the marked events.
 
-    Return the parts of the path and a root, for the legend.
+    Returns:
+        The lines of the path and a dot of a root, for the legend.
     """
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.grid(visible=False)
@@ -203,9 +210,16 @@ def _draw_tool(
 def _list_events(
     axes: Axes, panel: Axes, paths: list[Artist], marks: Sequence[_Mark], trajectory: Trajectory
 ) -> None:
-    """Number the marked events above a panel, and list them with the velocities at the strike.
+    """Write the numbers of the marked events above a panel, and list the events.
 
-    Without a strike, write the reason instead.
+    The list also has the velocities at the strike or, without a strike, why the run ended.
+
+    Args:
+        axes: empty axes that receive the list.
+        panel: panel over time above which the numbers stand.
+        paths: further entries of the list: the lines of the tip's path.
+        marks: the marked events.
+        trajectory: motion of the pass.
     """
     largest = float(np.degrees(trajectory.retraction.max()))
     above = panel.get_xaxis_transform()

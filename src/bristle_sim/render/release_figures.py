@@ -28,10 +28,10 @@ POINTS = 400  # number of points of the formula's curve
 
 @styled()
 def cue_figure(timing: CueTiming) -> Figure:
-    """Draw a bristle's release from rest over time, and the bar positions that follow from it.
+    """Draw the motion of a bristle released from rest, and the bar positions that follow from it.
 
-    Panels over time show retraction and relative rate up to the highest relative rate. The bar
-    positions are drawn to scale (mm).
+    Panels over time show the retraction and the angular velocity relative to the hub, up to the
+    highest angular velocity. The bar positions are drawn to scale (mm).
 
     Raises:
         ValueError: if the trajectory has no duration.
@@ -99,8 +99,10 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
 
 @styled()
 def inertia_figure(driven: InertiaDriven) -> Figure:
-    """Draw retraction (degrees) over the turn of the hub, and relative rate (rad/s) over
-    retraction.
+    """Draw the motion of a bristle cued by a bar, and of one that is thrown by its own inertia.
+
+    One panel shows the retraction (degrees) over the hub's angle of rotation. The other shows the
+    angular velocity relative to the hub (rad/s) over the retraction.
     """
     figure = blank_figure(16.0, 8.0)
     turn, phase = figure.subplots(1, 2)

@@ -62,25 +62,26 @@ def write_report(
     plot_is_folder: bool = False,
     video: Path | None = None,
 ) -> None:
-    """Write a report as one self-contained HTML page, which appears only when it is complete.
+    """Write a report as one HTML page that needs no other files.
 
-    A slider shows the motion if the report's subject has a ``tool`` and a ``trajectory``.
+    The file appears only when it is complete. If the report's subject has a ``tool`` and a
+    ``trajectory``, the page shows the motion with a slider.
 
     Args:
         path: file of the page.
         report: the report.
         name: name of the scenario.
-        question: question of the scenario.
-        command: command that writes the page again.
+        question: question that the scenario answers.
+        command: command line that produces the page.
         keys: declarations of the scenario's parameters, by key.
-        values: their values in this run, by key.
-        plot: function that draws the figure to a path, or all figures to a folder. If drawing
-            fails, a remark on the page gives the reason.
-        plot_is_folder: whether ``plot`` draws all figures to a folder.
-        video: path of a finished film.
+        values: values of these parameters, by key.
+        plot: function that draws the report's figure to a path. If it fails, the page has a remark
+            with the reason.
+        plot_is_folder: whether ``plot`` draws several figures, to a folder.
+        video: path of a film to include.
 
     Raises:
-        OSError: if a file cannot be written; the message names it.
+        OSError: if a file cannot be written. The message names the file.
     """
     figures = list[Markup]()
     missing = ""
@@ -135,18 +136,20 @@ def write_comparison(
     reports: Sequence[Report],
     **tables: Any,
 ) -> None:
-    """Write the comparison of two passes as an HTML page, which appears only when it is complete.
+    """Write the comparison of two passes as an HTML page.
+
+    The file appears only when it is complete.
 
     Args:
         path: file of the page.
         names: names of the two tools.
         reports: reports of the two passes.
-        tables: ``changed``, a row for each parameter that differs: its key and both values;
-            ``rows``, a row for each quantity: label, unit, both values, and their difference; and
-            ``verdict``, the result of the comparison in a sentence.
+        tables: the contents of the comparison, by name. ``changed`` has a row (key and both values)
+            for each parameter that differs. ``rows`` has a row (label, unit, both values and their
+            difference) for each quantity. ``verdict`` is the result in a sentence.
 
     Raises:
-        OSError: if the file cannot be written; the message names it.
+        OSError: if the file cannot be written. The message names the file.
     """
     passes = []
     for name, report in zip(names, reports, strict=True):
@@ -158,10 +161,10 @@ def write_comparison(
 
 
 def filled(template: str, **content: Any) -> str:
-    """Return the text of a template file, filled with content.
+    """Fill a template file with content, and return the resulting text.
 
-    Filters in the template keep a number and its unit on one line, and permit a line break after an
-    underscore.
+    Filters of the template prevent a line break between a number and its unit, and permit one after
+    an underscore.
     """
     loader = jinja2.PackageLoader("bristle_sim.render", ".")
     strict = jinja2.StrictUndefined
@@ -179,9 +182,9 @@ def _write(path: Path, template: str, **content: Any) -> None:
 
 
 def verdict(report: Report) -> str:
-    """Return a sentence on how many compared quantities are within their tolerance.
+    """Return a sentence with the number of compared quantities that are within their tolerance.
 
-    It names the quantities that are not. It is empty if no comparison has a tolerance.
+    The sentence names those that are not. It is empty if no quantity has a tolerance.
     """
     judged = [row for row in report.quantities if row.ok is not None]
     missed = [row.label for row in judged if not row.ok]
@@ -196,7 +199,12 @@ def _figures(
 ) -> list[Markup]:
     """Draw the figures of a report, and return them as HTML without external files.
 
-    An SVG becomes part of the page; any other picture is encoded in base64.
+    An SVG file becomes part of the page; any other picture is encoded in base64.
+
+    Args:
+        plot: function that draws one figure to a path, or several to a folder.
+        plot_is_folder: whether ``plot`` draws to a folder.
+        name: what the figure shows, for screen readers.
     """
     found = []
     with TemporaryDirectory() as folder:

@@ -10,13 +10,15 @@ import numpy as np
 
 from bristle_sim.trajectory import Event, Trajectory
 
-MOST_LABELS = 9  # largest number of labels that fit above a panel of full width
+MOST_LABELS = 9  # number of labels that fit above a panel of full width
 AFTERMATH = 0.12  # time shown after the tip has left the workpart, as a fraction of the time before
-SAME_INSTANT = 1e-9  # largest interval between events that are simultaneous, s
-# Largest angle, rad, from the radial direction at the start of a bristle that turns with the hub.
-# Beyond this angle the belt throws the bristle.
+SAME_INSTANT = 1e-9  # largest interval between events that count as simultaneous, s
+# Largest angle (rad) between a bristle and the radial direction at the start for which the bristle
+# counts as turning with the hub. At a larger angle the belt throws the bristle.
 CARRIED = math.radians(1.0)
-LAGGING = 0.01  # largest relative rate, over the hub speed, of a bristle that starts by turning with the hub
+# Largest relative angular velocity at the start, as a fraction of the hub's angular velocity, at which
+# the bristle counts as turning with the hub.
+LAGGING = 0.01
 
 THROWN = "released: the belt throws the tip"
 OUTCOMES = {"stiction": "stiction: no rebound", "jam": "jammed"}
@@ -32,17 +34,20 @@ _SUSTAINED = {"bar": "held back by the bar", "workpart": "drags along the workpa
 
 
 class Phase(NamedTuple):
-    """A phase of a run: its start (s) and its caption; it lasts until the next phase starts."""
+    """A phase of a run: its start time (s) and its caption.
+
+    It ends when the next phase starts.
+    """
 
     start: float
     caption: str
 
 
 def story_end(trajectory: Trajectory) -> float:
-    """Return the time at which pictures of a pass end, s.
+    """Return the time (s) at which figures and films of a pass end.
 
-    It is shortly after the tip last touches the workpart, or the end of the run if there is no
-    strike.
+    It is shortly after the last contact between tip and workpart. Without a strike it is the end of
+    the run.
     """
     start, end = float(trajectory.time[0]), float(trajectory.time[-1])
     touches = [event.time for event in trajectory.events if event.name.startswith("workpart ")]
@@ -57,11 +62,14 @@ def story_end(trajectory: Trajectory) -> float:
 
 
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
-    """Return the events that pictures label, in order of time, at most nine.
+    """Return the events that figures label, in order of time; there are at most nine.
 
-    An event name occurs at most once up to the strike and once after it. Of several events with the
-    same name the first is kept; of several releases the last is kept, since earlier releases end
-    brief touches.
+    Up to the strike, and again after it, there is at most one event of each name. It is the first
+    of that name. Of releases it is the last, since earlier releases end brief touches.
+
+    Args:
+        trajectory: motion of the pass.
+        until: last time of an event, s.
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}
@@ -73,9 +81,9 @@ def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, 
 
 
 def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ...]:
-    """Return the phases of a run with their captions, in order of time, from the start of the run.
+    """Return the phases of a run with their captions, in order of time.
 
-    ``strike_shown`` is the time (s) for which an instantaneous strike keeps its caption.
+    ``strike_shown`` is the time (s) for which the caption of an instantaneous strike remains.
     """
     start = float(trajectory.time[0])
     events = _notable(trajectory)
@@ -112,9 +120,15 @@ def _strike(
 
 
 def _caption(trajectory: Trajectory, event: Event, later: Sequence[Event], lags: bool) -> str:
-    """Return the caption of the phase that an event other than the strike begins, or an empty text.
+    """Return the caption of the phase that begins with an event.
 
-    ``lags`` states whether the bristle lags behind the hub at the start.
+    It is an empty text if the event begins no phase.
+
+    Args:
+        trajectory: motion of the pass.
+        event: an event other than the strike.
+        later: the events after it.
+        lags: whether the bristle rotates more slowly than the hub at the start.
     """
     name = event.name
     strike = trajectory.event_time("strike")
@@ -139,7 +153,7 @@ def _caption(trajectory: Trajectory, event: Event, later: Sequence[Event], lags:
 
 
 def _lasts(trajectory: Trajectory, touch: Event, obstacle: str) -> bool:
-    """Return whether a touch of bar or workpart begins a sustained contact or is a jam."""
+    """Return whether a touch of an obstacle begins a sustained contact or is a jam."""
     return any(
         each.obstacle == obstacle
         and (each.law == "sustained" or each.outcome == "jam")
@@ -149,14 +163,14 @@ def _lasts(trajectory: Trajectory, touch: Event, obstacle: str) -> bool:
 
 
 def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
-    """Return the phase of a run at a time, s."""
+    """Return the phase that contains a time, s."""
     return next((phase for phase in reversed(run) if phase.start <= time), run[0])
 
 
 def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
-    """Return the notable events, without releases that belong to a bounce.
+    """Return the notable events without the releases of bounces.
 
-    Such a release is simultaneous with its touch.
+    A release belongs to a bounce if it has the same time as its touch.
     """
     touches = dict[str, float]()
     found = []

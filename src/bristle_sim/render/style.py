@@ -52,15 +52,15 @@ STRIKE_LOOKS: dict[str, tuple[str, str, float]] = {
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Apply the common look of pictures, as a context or as a decorator of drawing functions."""
+    """Apply the common style of figures. It is a context manager and a decorator."""
     with mpl.rc_context(_LOOK):
         yield
 
 
 class NotebookFigure(Figure):
-    """Figure that a notebook shows although pyplot is not imported.
+    """A figure that a notebook shows although pyplot is not imported.
 
-    matplotlib itself makes figures visible to a notebook only if pyplot is imported.
+    matplotlib's own figures are shown only if pyplot is imported.
     """
 
     def _repr_png_(self) -> bytes:
@@ -70,15 +70,15 @@ class NotebookFigure(Figure):
 
 
 def blank_figure(width_cm: float, height_cm: float) -> Figure:
-    """Return an empty figure with the given printed size, cm."""
+    """Return an empty figure of a given printed width and height, cm."""
     size = (width_cm / CENTIMETRES_PER_INCH, height_cm / CENTIMETRES_PER_INCH)
     return NotebookFigure(figsize=size, dpi=200.0, layout="constrained")
 
 
 def write_key(figure: Figure, looks: Mapping[str, Look], **place: Any) -> None:
-    """Add a legend, by default in one row at the foot.
+    """Add a legend to a figure, by default in one row at the foot.
 
-    ``looks`` holds the style of each entry by name. ``place`` are options of matplotlib's
+    ``looks`` holds the style of each entry by its name; ``place`` are options of matplotlib's
     ``legend``.
     """
     handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]
@@ -88,7 +88,7 @@ def write_key(figure: Figure, looks: Mapping[str, Look], **place: Any) -> None:
 
 
 def add_right_scale(axes: Axes) -> Axes:
-    """Return further axes of the same panel, whose scale is on the right."""
+    """Add a second vertical scale on the right of a panel, and return its axes."""
     right = axes.twinx()
     right.grid(visible=False)
     right.spines["right"].set_visible(True)
@@ -101,27 +101,33 @@ def draw_zero(axes: Axes) -> None:
 
 
 def say(axes: Axes, words: str) -> None:
-    """Write a text in the middle of an empty panel, for example the reason why it is empty."""
+    """Write a text in the middle of an empty panel, for example why it is empty."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 
 def signed(value: float, decimals: int, width: int = 0) -> str:
-    """Return a number as text with a true minus sign; a number that rounds to zero has no sign."""
+    """Return a number as text with a typographic minus sign.
+
+    A number that rounds to zero has no sign. ``width`` is the least number of characters.
+    """
     return f"{round(value, decimals) + 0.0:{width}.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 
 
 class Scale(NamedTuple):
-    """Unit in which numbers are shown, and the factor that converts to it."""
+    """A unit in which numbers are shown.
+
+    ``factor`` converts a number to this unit.
+    """
 
     factor: float
     unit: str
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """Return the unit prefix and factor with which a number lies between 1 and 1000.
+    """Return the scale whose unit prefix brings a number between 1 and 1000.
 
-    For example, 1.2e-3 N s becomes 1.2 mN·s.
+    For example, 1.2e-3 with the unit N·s becomes 1.2 mN·s.
     """
     size = abs(largest)
     if not 0.0 < size < math.inf:
@@ -133,12 +139,12 @@ def scale_for(largest: float, unit: str) -> Scale:
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:
-    """Write a figure to a png, svg or pdf file, chosen by the suffix of the path.
+    """Write a figure to a png, svg or pdf file, according to the suffix of the path.
 
     Equal figures give identical files.
 
     Raises:
-        ValueError: for another suffix or a missing folder.
+        ValueError: if the suffix is another one or the folder does not exist.
     """
     target = checked_target(path, FIGURE_SUFFIXES)
     kind = target.suffix.lower().removeprefix(".")
@@ -152,10 +158,10 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
 
 
 def span_at_least(axes: Axes, fraction: float) -> None:
-    """Widen the range of the y axis to at least a fraction of its largest value.
+    """Widen the range of the vertical axis to at least a fraction of its largest magnitude.
 
-    Rounding error in a constant then does not look like scatter. The tick labels have no common
-    offset.
+    Rounding error in a constant then does not look like scatter. The tick labels show full values
+    instead of differences from an offset.
     """
     low, high = axes.get_ylim()
     missing = fraction * max(abs(low), abs(high)) - (high - low)

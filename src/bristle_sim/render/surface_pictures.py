@@ -31,19 +31,19 @@ from bristle_sim.studies.ground import Ground
 from bristle_sim.studies.surface import MEASURED_RZ, BlastedSurface
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles
 
-DEEPEST = 1.0  # percentile of the heights at the lower end of the colour scale
-LIGHT = LightSource(azdeg=270.0, altdeg=40.0)  # from the left, against the slide
+DEEPEST = 1.0  # percentile of the heights at which the colour scale begins
+LIGHT = LightSource(azdeg=270.0, altdeg=40.0)  # light from the left; the tips slide to the right
 MAP = "cividis"
 FILM_SECONDS = 6.0
-PIXELS = 1000  # largest number of pixels of the film's height map along the slide
+PIXELS = 1000  # largest number of pixels of the film's height map in the direction of sliding
 
 
 @styled()
 def surface_figure(made: BlastedSurface) -> Figure:
-    """Draw the height map of a blasted surface, a profile along the slide, and curves over time.
+    """Draw the height map of a blasted surface, a profile, and the roughness Rz over time.
 
-    The profile has its roughness section lengths marked. The curves are the roughness Rz and the
-    coverage.
+    The profile runs along the direction in which the tips slide; the sections for Rz are marked.
+    The coverage is drawn with Rz.
     """
     figure = blank_figure(16.0, 13.5)
     ground, profile, course = figure.subplots(3, height_ratios=(2, 3, 3))
@@ -62,8 +62,8 @@ def surface_figure(made: BlastedSurface) -> Figure:
 
 
 def _strike_times(made: BlastedSurface, strikes: ArrayLike) -> Array:
-    """Return the time under the belt (s) at which a number of strikes has fallen on the simulated
-    area.
+    """Return the time under the belt (s) at which the simulated area has received a number of
+    strikes.
     """
     part = made.blasting.track_width / made.blasting.ground_width
     return np.asarray(strikes) * (part / made.strike_rate)
@@ -75,9 +75,9 @@ def _colours(made: BlastedSurface) -> Normalize:
 
 
 def _lit(made: BlastedSurface, heights: Array, norm: Normalize, every: int = 1) -> Array:
-    """Return heights (m) as a picture, coloured by depth and lit from the left.
+    """Return heights (m) as a picture, coloured by height and lit from the left.
 
-    The picture has one in ``every`` cells along the slide.
+    Along the direction of sliding the picture has only every ``every``-th cell.
     """
     across, along = heights.shape
     dx = every * MICROMETRES * made.blasting.ground_length / along
@@ -95,9 +95,10 @@ def _show_heights(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage
 
 
 def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
-    """Draw the profile through the middle of the surface, with the Gaussian mean line subtracted.
+    """Draw the roughness profile through the middle of the surface.
 
-    The highest and lowest points of each section length are marked.
+    It is the height minus the Gaussian mean line. In each section the range from the lowest to the
+    highest point is shaded.
     """
     step = made.blasting.ground_length / made.heights.shape[1]
     cutoff = made.blasting.cutoff_wavelength
@@ -137,7 +138,7 @@ def _draw_course(axes: Axes, made: BlastedSurface) -> None:
 
 
 class SurfaceFilm(Film):
-    """Film of a surface while the belt passes over it, with Rz and coverage over time below."""
+    """Film of a surface while the belt passes over it, with curves of Rz and coverage below."""
 
     size = (800, 500)
 
@@ -150,7 +151,13 @@ class SurfaceFilm(Film):
         height: int = 500,
         duration: float = FILM_SECONDS,
     ) -> None:
-        """Draw the surface before the strikes; ``duration`` is the duration of the film, s."""
+        """Draw the surface before the first strike.
+
+        Args:
+            made: the blasted surface.
+            width, height: size of the picture, px.
+            duration: duration of the film, s.
+        """
         self.made = made
         self.times = _strike_times(made, 1.0 + np.arange(made.depths.size))
         warp = slow_motion(0.0, float(self.times[-1]), duration)
@@ -168,9 +175,10 @@ class SurfaceFilm(Film):
         return _lit(self.made, self.ground.heights, self.norm, self.every)
 
     def move(self, time: float) -> Sequence[str]:
-        """Apply all strikes up to a time, s.
+        """Show the surface at a time under the belt, s.
 
-        If the time is earlier than the present time, begin again with the unblasted surface.
+        Strikes since the last shown time are added. For an earlier time all strikes are repeated on
+        the unblasted surface.
         """
         made = self.made
         number = int(np.searchsorted(self.times, time * (1.0 + 1e-12), "right"))

@@ -30,20 +30,25 @@ HEIGHT = 4.4
 TITLE_LETTERS = 32  # largest number of letters in a line of a panel's title
 
 PERCENTILES = (1.0, 99.0)
-"""Percentiles at which a map's colour scale ends, so that a single extreme value does not take most
-of it."""
+"""Percentiles of the values at which a map's colour scale begins and ends.
 
-MANY = 60  # least number of points of a line for which the points have no marks
+A single extreme value would otherwise take most of the scale."""
+
+MANY = 60  # number of points from which on a line is drawn without marks at its points
 
 
 @style.styled()
 def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
-    """Draw the outcome and each quantity over one or two swept parameters, one panel each.
+    """Draw the outcome and other quantities over one or two parameters, in one panel each.
 
-    Where a quantity has no value, a line has a gap and a map has white cells.
+    Where a quantity has no value, a line has a gap and a map a white cell.
+
+    Args:
+        found: result of the sweep.
+        names: names of the quantities to draw; if empty, all are drawn.
 
     Raises:
-        ValueError: if no point has a result.
+        ValueError: if no quantity has a value.
     """
     shown = [found.quantities[name] for name in names or found.quantities]
     shown = [each for each in shown if each.known]
@@ -81,9 +86,9 @@ def _heading(series: Series) -> str:
 
 
 def _draw_outcomes(axes: Axes, outcome: Any, x: Array, y: Array | None = None) -> None:
-    """Draw the outcomes as a map over two parameters, or as a strip over one.
+    """Draw the outcomes as a map over two parameters, or as a coloured strip over one.
 
-    A legend of the outcomes that occur stands at the top of the figure.
+    A legend at the top of the figure names the outcomes that occur.
     """
     if y is None:
         y = np.arange(2.0)
@@ -100,9 +105,9 @@ def _draw_outcomes(axes: Axes, outcome: Any, x: Array, y: Array | None = None) -
 
 
 def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
-    """Draw outcome and quantities of many passes over one or two of their parameters.
+    """Draw the outcome and quantities of many passes over one or two of their parameters.
 
-    ``keys`` names the parameters along the axes.
+    ``keys`` are the keys of these parameters.
     """
     axes = {key: Series(key, KEYS[key].unit, many.keys[key].ravel(), is_key=True) for key in keys}
     quantities = {
@@ -114,14 +119,15 @@ def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
 
 
 MOST = 6  # largest number of inputs shown for each output
-BAR = 0.36  # width of a bar; two stand at each input, 1 apart from the next two
+BAR = 0.36  # width of a bar; each input has two bars, and the inputs are 1 apart
 
 
 @style.styled()
 def tolerance_figure(study: Study) -> Figure:
-    """Draw a histogram of each output, and the sensitivity indices of its most important inputs.
+    """Draw the scatter of each output, and the inputs that cause it.
 
-    The histogram shows the mean and the 95 % interval.
+    A histogram of the output shows its mean and the interval that contains 95 % of the passes. Bars
+    show the Sobol indices of the most influential inputs.
     """
     figure = style.blank_figure(16.0, 3.8 * len(study.outputs) + 1.2)
     places = figure.subplots(len(study.outputs), 2, squeeze=False)
@@ -153,10 +159,10 @@ def tolerance_figure(study: Study) -> Figure:
 
 @style.styled()
 def trade_off_figure(found: Design) -> Figure:
-    """Draw the best compromises between two wanted quantities that conflict.
+    """Draw the best compromises between two quantities whose wanted values conflict.
 
-    Marks show the wanted point and the nearest point that can be reached. Further panels show the
-    varied parameters along the compromises.
+    Marks show the wanted values and the nearest values that can be reached. Further panels show the
+    parameters of the compromises.
     """
     curves = {name: Series(*QUANTITIES[name], found.trade_off[name]) for name in found.conflict}
     for key in found.varied:

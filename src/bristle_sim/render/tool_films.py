@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 CAPTION_SHOWN = 0.5  # time in the film for which the caption of the strike is shown, s
 ROW_SLOWER = 10.0
 ROW_AFTER = 0.15
-"""Film of a row: slow-down at touches and strikes over the slow-down elsewhere; and time shown after
-the last bristle's strike, as a fraction of the time before."""
+"""In the film of a row: factor between the slow-down at touches and strikes and that far from them;
+and time shown after the last bristle's strike, as a fraction of the time shown before it."""
 
 
 class ToolFilm(Film):
     """Film of a tool with one or several wires.
 
-    The tip of a single wire leaves a trail, and the wire's radial line is shown. Rings mark where
-    several wires touch each other.
+    A single wire is shown with the path of its tip and the radial line through its root. Where
+    several wires touch each other, there are rings.
     """
 
     @styled()
@@ -45,8 +45,8 @@ class ToolFilm(Film):
         """Draw the parts that do not move.
 
         Args:
-            tool: tool with hub, bar and workpart as drawn.
-            runs: motion of each wire. The read-outs are those of the last wire.
+            tool: tool with the hub, bar and workpart to draw.
+            runs: motions of the wires. The read-outs are those of the last wire.
             warp: map between the time of the run and the time in the film.
             story: phases of the run with their captions.
             size: width and height of the picture, px.
@@ -71,7 +71,7 @@ class ToolFilm(Film):
         self.moving = [self.trail, *artists, self.rings]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wires, trail and rings to a time in the run, s."""
+        """Move wires, path and rings to a time in the run, s."""
         now = [motion(time) for motion in self._motions]
         caption = phase_at(self.story, time).caption
         lines = [each.centre_line for each in now]
@@ -91,14 +91,16 @@ def pass_film(
     run: Trajectory, tool: Tool, *, width: int = 640, height: int = 480, duration: float = 8.0, slower: float = 4.0,
     until: float | None = None,
 ) -> ToolFilm:  # fmt: skip
-    """Return a film of a pass, by default until shortly after the tip has left the workpart.
+    """Return a film of a pass.
 
     Args:
-        run, tool: the pass.
+        run: motion of the bristle.
+        tool: tool with the hub, bar and workpart to draw.
         width, height: size of the picture, px.
         duration: duration of the film, s.
-        slower: slow-down at the strike over the slow-down elsewhere.
-        until: last time of the run shown, s.
+        slower: factor between the slow-down at the strike and that far from it.
+        until: last time of the run shown, s; by default shortly after the tip has left the
+            workpart.
     """
     end = story_end(run) if until is None else until
     strike = run.event_time("strike")
@@ -115,10 +117,14 @@ def pass_film(
 def row_film(
     row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0
 ) -> ToolFilm:
-    """Return a film of a row of bristles, in slow motion at touches and strikes.
+    """Return a film of a row of bristles that is slowest where wires touch or strike.
 
     It lasts from the first bristle's touch of the bar to shortly after the last bristle's strike.
-    ``width`` and ``height`` are in px, ``duration`` is in s.
+
+    Args:
+        row: the row of bristles.
+        width, height: size of the picture, px.
+        duration: duration of the film, s.
     """
     strikes = [run.event_time("strike") for run in row.bristles]
     last = strikes[-1]

@@ -35,10 +35,10 @@ LOOKS = {
 
 @style.styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
-    """Draw the contact force of one strike of a bending wire, and quantities of many strikes.
+    """Draw the contact force of a bending wire's strike, and ratios of a bending to a rigid wire.
 
-    The quantities are impulse, peak force, duration and crater depth, over the contact's duration
-    and over the number of links that model the wire.
+    The ratios are those of impulse, peak force, time in contact and crater depth. They are drawn
+    over the number of links that model the wire, and over the duration of the rigid wire's contact.
     """
     figure = style.blank_figure(16.0, 12.5)
     panels = figure.subplot_mosaic([["force", "links"], ["duration", "duration"]])
@@ -82,14 +82,15 @@ def _draw_force(axes: Axes, struck: FlexibleWire) -> None:
 
 
 def _draw_course(axes: Axes, run: Any, color: str, label: str = "") -> None:
-    """Draw the normal force of a run's contact over time (us), with the area below it shaded."""
+    """Draw the normal force (N) of a contact over time (us), with the area below it shaded."""
     touch, force = _force(run)
     time = style.MICROSECONDS * touch
     axes.fill_between(time, force, color=color, alpha=0.12, linewidth=0.0)
     axes.plot(time, force, color=color, label=label)
 
 
-LONGEST_FORCE = 0.22  # length of the arrow of the largest force, over the height of the drawn wires
+# Length of the arrow of the largest force, as a fraction of the height of the drawn wires
+LONGEST_FORCE = 0.22
 # The bending wave has arrived when the moment at the hinge next to the root exceeds this fraction of
 # the largest moment.
 ARRIVED = 0.1
@@ -97,7 +98,10 @@ GRID = 400  # number of instants of the force curves and of the map of bending m
 
 
 class WireFilm(Film):
-    """Film of a bending wire's strike, from the first touch until the bending wave has returned."""
+    """Film of a bending wire's strike, beside that of a rigid wire.
+
+    It lasts from the first touch until the bending wave has returned from the root.
+    """
 
     size = (960, 540)
     letter_size = 15.0
@@ -131,7 +135,7 @@ class WireFilm(Film):
         self.moving = [*artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wires and the arrow of the force to a time, s."""
+        """Move the wires and the arrow of the force to a time from the first touch, s."""
         touch, force = _force(self._runs[0])
         pushed, rigid = (float(np.interp(time, *_force(run), right=0.0)) for run in self._runs)
         wire, _ = lines = [line(time) for line in self._lines]
@@ -152,7 +156,9 @@ class WireFilm(Film):
 
 
 def _force(run: Any) -> tuple[Array, Array]:
-    """Return the times from the first touch (s) and the normal forces (N) of a run's contact."""
+    """Return times from the first touch (s) and the normal forces (N) at these times in a
+    contact.
+    """
     history = run.contact.history
     clock = history.time - history.time[0]
     time = np.linspace(0.0, clock[-1], GRID)
@@ -160,10 +166,10 @@ def _force(run: Any) -> tuple[Array, Array]:
 
 
 def _draw_wave(axes: Axes, struck: FlexibleWire) -> float:
-    """Draw the bending moment in the wire over time and position, with the root on top.
+    """Draw a map of the bending moment over time and position along the wire, with the root on top.
 
     Returns:
-        Time at which the bending wave arrives at the hinge next to the root, s.
+        Time at which the bending wave arrives at the hinge nearest to the root, s.
     """
     bristle = struck.strike.tool.bristle
     run = struck.wire
