@@ -160,7 +160,7 @@ def answer(slides: Slides) -> str:
 def against_film(slides: Slides) -> str:
     """Return a sentence that compares the slides with the dissertation's high-speed film.
 
-    Compared is the slide of the forward bent tip relative to the mean of the other two slides.
+    It states the slide of the forward bent tip relative to the mean of the other two slides.
     """
     found = [slide for slide in slides.values() if slide is not None]
     if len(found) < len(SHAPES):

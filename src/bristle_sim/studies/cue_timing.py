@@ -218,10 +218,10 @@ def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
 def _timed(
     tool: Tool, retraction: float, settings: Settings, bar: Bar, with_reference: bool
 ) -> CueTiming:
-    """Simulate the release, and two whole passes.
+    """Simulate the release of the bristle, and two whole passes.
 
-    In the first pass the bar stands at the cue of the release, in the second at its own position.
-    The first is left out if the release has no cue.
+    In the first pass the bar stands where the release requires it, in the second at the position of
+    ``bar``. The first pass is left out if the release has no cue.
     """
     start: dict[str, Any] = {
         "start_relative_angle": -retraction,

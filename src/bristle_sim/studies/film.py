@@ -107,8 +107,8 @@ class FilmMap:
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
     """Map touches, compression time and crater depth, and find the point nearest to measurement.
 
-    The map extends over the duration of the contact and the damping of the wire. The nearest
-    point's tool is then varied in shape, number of links and friction.
+    The axes of the map are the duration of the contact and the damping of the wire. The tool of the
+    nearest point is then varied in shape, number of links and friction.
 
     Raises:
         ValueError: if no pass of the map strikes, or the optional dependencies ``sweep`` are not

@@ -266,8 +266,9 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """Return each measure of the first strike divided by that of the second; NaN for a divisor of
-    0.
+    """Return each measure of the first strike divided by that of the second.
+
+    A ratio with a divisor of 0 is NaN.
     """
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 

@@ -212,9 +212,9 @@ def _measured_force(measurement: Measurement) -> MeasuredForce:
 
 
 def _misfit(measured: MeasuredForce) -> Quantity:
-    """Return the root mean square residual of a fit without the measurement noise.
+    """Return the root mean square residual of a fit, divided by the peak force.
 
-    It is divided by the peak force. The noise is estimated from second differences of the force.
+    The measurement noise is subtracted. It is estimated from second differences of the force.
     """
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's
     peak = measured.fit.curve.peak_force()

@@ -210,7 +210,8 @@ class Blasted(NamedTuple):
 
 
 def whole_planes(blasting: Blasting) -> Blasting:
-    """Return the blasting parameters with the ground's width rounded to whole bristle planes.
+    """Return the blasting parameters with the ground's width rounded to a whole number of bristle
+    planes.
 
     Parameters with randomly placed strikes are returned unchanged, since such strikes have no
     planes.
@@ -272,7 +273,10 @@ def _avrami(coverage: float) -> float:
 def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
     """Return the ground after a number of strikes.
 
-    If a coverage is requested, randomly placed strikes end as soon as it is reached.
+    Randomly placed strikes end earlier if they reach the requested coverage.
+
+    Raises:
+        ValueError: for fewer than one strike or more than MOST_STRIKES strikes.
     """
     if not 0.5 <= strikes <= MOST_STRIKES:
         raise ValueError(

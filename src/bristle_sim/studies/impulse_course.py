@@ -27,7 +27,8 @@ class ImpulseCourse:
         impulse: normal impulse, ascending from 0 (N s), shape (n,).
         normal_velocity: velocity v_n away from the surface (m/s), shape (n,).
         tangential_velocity: velocity v_t along the surface (m/s), shape (n,).
-        phases: name of the phase between each pair of consecutive impulses; empty if unknown.
+        phases: names of the n - 1 phases between consecutive values of the impulse; empty if
+            unknown.
     """
 
     impulse: Array
@@ -39,15 +40,18 @@ class ImpulseCourse:
 def contact_inverse_mass(chain: Chain) -> Array:
     """Return the inverse mass matrix K = J M^-1 J^T at the tip of a chain of hinged uniform rods.
 
-    K is in 1/kg, with the components (normal, tangential). The generalised speeds are u_i = L_i
-    theta_i', where L_i is the length and theta_i the angle of rod i. The velocity of the tip is J
-    u:
+    K is in 1/kg, with the components (normal, tangential). Rod i has the length L_i, the angle
+    theta_i and the mass m_i. The generalised speeds are u_i = L_i theta_i'. With them the velocity
+    of the tip, J u, has the components
 
         v_n = sum of u_i sin theta_i,   v_t = sum of u_i cos theta_i.
 
-    The kinetic energy is u^T M u/2. M_ii is m_i/3 plus the masses of all rods beyond rod i. For i <
-    j, M_ij is cos(theta_i - theta_j) times the sum of m_j/2 and the masses of all rods beyond rod
-    j. The hub turns at constant speed and does not respond to the impact.
+    The kinetic energy is u^T M u/2, where M_ii is m_i/3 plus the masses of all rods beyond rod i,
+    and
+
+        M_ij = cos(theta_i - theta_j) (m_j/2 + masses of all rods beyond rod j)   for i < j.
+
+    The hub turns at constant speed and does not respond to the impact.
     """
     masses = np.array(chain.masses)
     angles = np.array(chain.angles)

@@ -97,7 +97,7 @@ def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, 
     Args:
         tool: the tool that gives the values of all other parameters.
         settings: requested accuracy, and the angle by which the hub turns in a pass.
-        values: arrays of the varied parameters, by name. They broadcast.
+        values: array of each varied parameter, by name. The arrays broadcast.
     """
     options: dict[str, Any] = {"accuracy": settings.accuracy, "hub_turn": settings.hub_turn}
     many = ensemble(tool, progress=_log, **options, **values)

@@ -117,8 +117,9 @@ class Ellipse(NamedTuple):
     def best_impulse(self) -> Array:
         """Return the impulses that explain the measured velocities after the impacts best.
 
-        Their velocities have the least distance from the measured ones, where the kinetic energy
-        defines the norm. The impulses are (normal, tangential) in N s, shape (n, 2).
+        With these impulses the distance between computed and measured velocities is least, where
+        the kinetic energy defines the norm. The impulses are (normal, tangential) in N s, shape (n,
+        2).
         """
         change = self.at_contact(self.after - self.before)
         return np.asarray(np.linalg.solve(self.inverse_mass, change[..., np.newaxis])[..., 0])

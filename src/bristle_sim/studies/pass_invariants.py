@@ -101,12 +101,16 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     """Return the largest energy imbalance of a flight or an impact, J.
 
     The balance is that of Jacobi's integral. It is the energy in the frame that rotates with the
-    hub: the sum of kinetic, belt, centrifugal and gravity energy. In flight it falls by c alpha'^2
-    - omega m g x per unit time. c is the belt's damping coefficient, alpha the bristle's angle
-    relative to the hub, omega the hub speed, m g the bristle's weight, and x the horizontal
-    coordinate of its centre. An impact changes it by the work of the impulse minus omega times the
-    impulse's moment about the hub's centre. Sustained contacts are left out, since the obstacle's
-    shape prescribes their motion.
+    hub: the sum of kinetic, belt, centrifugal and gravity energy. In flight its loss per unit time
+    is
+
+        c alpha'^2 - omega m g x,
+
+    where c is the belt's damping coefficient, alpha the bristle's angle relative to the hub, omega
+    the hub speed, m g the bristle's weight, and x the horizontal coordinate of its centre. An
+    impact changes it by the work of the impulse minus omega times the impulse's moment about the
+    hub's centre. Sustained contacts are left out, since the obstacle's shape prescribes their
+    motion.
 
     Returns:
         The largest imbalance, J.
@@ -250,8 +254,8 @@ def nearest(bar: Bar, lines: Points) -> Points:
 def surface_point(tool: Tool, obstacle: str, place: Any) -> tuple[Any, Any]:
     """Return the outward normal of an obstacle, and its contact point with the wire.
 
-    ``place`` is the point of the wire's centre line at the contact. All are complex numbers x + i
-    y, in m except for the normal.
+    ``place`` is the point of the wire's centre line at the contact. Points and the unit normal are
+    complex numbers x + i y. Points are in m, from the hub's centre.
     """
     if tool.bar is None or obstacle == "workpart":
         return 1j, place

@@ -34,10 +34,10 @@ def name_of(function: Any) -> str:
 
 
 def identity_of(function: Callable[..., Any], version: str = "") -> str:
-    """Return a digest that changes whenever a function's results may change.
+    """Return a digest of a function, with which a store notices changes of it.
 
-    It covers the function's source, the values bound to it, this package, the versions of NumPy,
-    pymunk and SciPy, and the user's ``version``.
+    The digest covers the function's source, the values bound to it, this package, the versions of
+    NumPy, pymunk and SciPy, and the user's ``version``.
 
     Raises:
         ValueError: if no version is given and the function has no source text, or is bound to an

@@ -43,8 +43,12 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     """Simulate the strikes for the figure of the study.
 
     The tool's wire strikes on contacts of several stiffnesses. Wires with fewer links strike on the
-    contact of the requested stiffness. ``stiffnesses`` are durations of the rigid bristle's
-    contact, each divided by the requested duration. They stand for the contact stiffnesses.
+    contact of the requested stiffness.
+
+    Args:
+        strike: the requested strike.
+        stiffnesses: contact stiffnesses, each given as the duration that the rigid bristle's
+            contact would have, divided by the requested duration.
     """
     most = strike.tool.bristle.links
     durations = strike.contact.duration * np.array(stiffnesses)
