@@ -22,7 +22,7 @@ JUDGES = ("reference", "theory", "printed")  # sources of compared values, the b
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """One quantity, as simulated and as known from theory, an independent solution or print.
+    """A quantity with its simulated value and the values with which it is compared.
 
     Attributes:
         name: name of the quantity.
@@ -32,7 +32,8 @@ class Quantity:
         reference: value of the independent solution; None if absent.
         printed: value printed in the dissertation; None if absent.
         tolerance: largest relative difference that counts as agreement, or largest absolute
-            difference if the compared value is 0. None if a difference is a finding, not an error.
+            difference if the compared value is 0. None if a difference is a result of the study,
+            not an error.
         label: name of the quantity in tables, with its symbol; by default ``name`` in words.
     """
 
@@ -53,19 +54,19 @@ class Quantity:
 
     @property
     def judge(self) -> tuple[str, float] | None:
-        """Source and value with which the simulated value is compared; None if no source has a
-        value.
+        """The value with which the simulated value is compared, preceded by the name of its source.
 
-        It is the first source that has a value: ``reference``, then ``theory``, then ``printed``.
+        The source is the first of ``reference``, ``theory`` and ``printed`` that has a value. The
+        result is None if none of them has.
         """
         known = ((name, getattr(self, name)) for name in JUDGES)
         return next((each for each in known if each[1] is not None), None)
 
     @property
     def relative_difference(self) -> float | None:
-        """Simulated value minus compared value, over the magnitude of the compared value.
+        """Simulated value minus compared value, divided by the magnitude of the compared value.
 
-        It is None if either value is missing or the compared value is 0.
+        The result is None if either value is missing or the compared value is 0.
         """
         judge = self.judge
         if self.simulated is None or judge is None or not judge[1]:
@@ -74,10 +75,10 @@ class Quantity:
 
     @property
     def ok(self) -> bool | None:
-        """Whether the difference is within the tolerance; None without a tolerance or a value to
-        compare with.
+        """Whether the difference from the compared value is within the tolerance.
 
-        NaN is never within a tolerance.
+        The result is None without a tolerance or without a compared value. NaN is never within a
+        tolerance.
         """
         if self.tolerance is None:
             return None
@@ -86,7 +87,7 @@ class Quantity:
         return difference is not None and bool(abs(difference) <= self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the quantity as a dictionary for JSON; numbers are finite or None."""
+        """Return the quantity as a dictionary for JSON; a number that is not finite becomes None."""
         numbers = {
             name: finite(getattr(self, name))
             for name in (*SIDES, "relative_difference", "tolerance")
@@ -102,10 +103,10 @@ def rows(
     printed: Values = UNKNOWN,
     tolerances: Values = UNKNOWN,
 ) -> tuple[Quantity, ...]:
-    """Return the rows of a table: for each name in ``units`` a quantity with all its values.
+    """Return one quantity for each name in ``units``, with its values from all sources.
 
     Args:
-        units: label and unit by name; an empty label stands for the name in words.
+        units: label and unit by name; with an empty label, the name in words is the label.
         simulated: simulated values by name.
         theory: values of closed forms by name.
         reference: values of the independent solution by name.
@@ -163,11 +164,11 @@ class Report:
         subject: objects from which pictures are drawn.
         answer: answer to the scenario's question in one sentence, in customary units; empty if the
             computation was interrupted.
-        outcome_in_words: the outcome as sentences, sweeps and web pages write it
-            (``ContactRecord.outcome_in_words``); empty without an outcome.
+        outcome_in_words: the outcome in the words of ``ContactRecord.outcome_in_words``, for
+            sentences, sweeps and web pages; empty without an outcome.
         not_reached: sentence on an accuracy that the simulation has not reached
-            (``Trajectory.accuracy_not_reached``), which becomes the last remark. If it begins with
-            "accuracy not reached", the answer begins with these words, too.
+            (``Trajectory.accuracy_not_reached``). It becomes the last remark. If the sentence
+            begins with "accuracy not reached", the answer begins with these words, too.
     """
 
     outcome: str | None = None
@@ -187,8 +188,8 @@ class Report:
     def __post_init__(self) -> None:
         """Add the sentence on an accuracy that was not reached to the answer and the remarks.
 
-        If the outcome is ``no contact``, the tolerances of agreeing quantities are removed: nothing
-        has changed without a contact, and the agreement confirms nothing.
+        If the outcome is ``no contact``, the tolerances of agreeing quantities are removed. Without
+        a contact nothing has changed, so the agreement is no evidence.
         """
         if self.not_reached:
             if self.not_reached.startswith("accuracy not reached"):
@@ -203,8 +204,9 @@ class Report:
 
 
 class Unfinished(KeyboardInterrupt):
-    """Raised when the user interrupts a long computation; it carries a report of the finished
-    part.
+    """Raised when the user interrupts a long computation.
+
+    The exception carries a report of the part that was finished.
     """
 
     def __init__(self, report: Report) -> None:
@@ -226,9 +228,9 @@ LAYOUTS = (
 def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
     """Return the table of quantities as text for a terminal of a given width, in characters.
 
-    Units have readable prefixes, and empty columns are omitted. A table that is still too wide gets
-    fewer digits and omits the column of the independent solution, then the column of the tolerance.
-    The column of differences names the source of the compared value.
+    Units have readable prefixes, and empty columns are omitted. If the table is still too wide, it
+    has fewer digits. If necessary, the column of the independent solution is omitted, and then the
+    column of the tolerance. The column of differences names the source of the compared value.
     """
     for layout in LAYOUTS:
         head, *lines = aligned(cells(quantities, *layout), (0, 1))
@@ -277,9 +279,9 @@ smaller value counts as zero."""
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
-    """Return a text on the quantity that differs most, for example ``x 3 N, printed 4 N``.
+    """Return a text on the quantity with the largest relative difference from a source.
 
-    The text is empty if no quantity has a simulated value and a value to compare with.
+    An example is ``x 3 N, printed 4 N``. The text is empty if no quantity has both values.
 
     Args:
         quantities: quantities to search.
@@ -299,7 +301,7 @@ def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
 def differences(quantities: Sequence[Quantity]) -> str:
     """Return a sentence on the largest differences from formulas and from printed values.
 
-    It is empty if there are no values to compare.
+    The text is empty if there are no values to compare.
     """
     formula = most_different(quantities, "theory", "by formula")
     printed = most_different(quantities, "printed", "printed in the dissertation")
@@ -308,10 +310,10 @@ def differences(quantities: Sequence[Quantity]) -> str:
 
 
 def agreement(quantities: Sequence[Quantity]) -> str:
-    """Return a clause on how far the closed forms agree with the simulated values.
+    """Return a clause on the agreement of closed forms with the simulated values.
 
-    It is, for example, ``the closed form agrees to 2e-16``, or it names the quantity that differs
-    most.
+    If all quantities agree, the clause states the largest relative difference, for example ``the
+    closed form agrees to 2e-16``. Otherwise it names the quantity that differs most.
     """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each for each in judged if not each.ok]

@@ -30,7 +30,7 @@ from bristle_sim.units import (
     shown,
 )
 
-FAR = 100.0  # largest factor, up or down, between a usual value and its default
+FAR = 100.0  # largest ratio of a usual value to its default, or of the default to the value
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Declaration:
         optional: whether the value may be None.
         needs: condition on another key without which this key has no effect, such as ``contact =
             compliant``.
-        listed: whether the command line has the key.
+        listed: whether the parameter can be set on the command line.
     """
 
     key: str
@@ -62,7 +62,7 @@ class Declaration:
 
     @property
     def allowed(self) -> str:
-        """Requirement on the value, in words, for messages and listings."""
+        """The permitted values in words, for messages and listings."""
         texts = {
             "file": "a readable file",
             "folder": "the name of a folder",
@@ -72,26 +72,27 @@ class Declaration:
 
     @property
     def displayed_range(self) -> str:
-        """Requirement on the value in the customary unit, for listings."""
+        """The permitted values in words, in the customary unit, for listings."""
         return self.allowed
 
     def displayed(self, value: Any) -> str:
-        """Return a value as text, for a number with five digits in its customary unit: ``27 mm``."""
+        """Return a value as text; a number has five digits and its customary unit, as in ``27 mm``."""
         return "none" if value is None else str(value)
 
     def read(self, given: Any) -> Any:
-        """Return the value of a typed text or another object; None and ``none`` leave out an
-        optional parameter.
+        """Return the checked value of a text or another object.
+
+        For an optional parameter, None and the text ``none`` give None.
         """
         absent = given is None or (isinstance(given, str) and given.strip() == "none")
         return None if absent and self.optional else self.parse(given)
 
     def check(self, value: Any) -> Any:
-        """Return a value after a check that it is a text that meets the requirement.
+        """Return a value after a check that it is a permitted text.
 
         Raises:
-            ValueError: if the value is no text, is empty, or names no readable file where it must;
-                the message names key, value and rule.
+            ValueError: if the value is not a text, is empty, or must be the name of a readable file
+                and is not. The message names key, value and rule.
         """
         if isinstance(value, str) and value.strip():
             with suppress(OSError, ValueError):  # a name too long, a null character
@@ -139,9 +140,9 @@ class Range(Declaration):
     Attributes:
         lowest, highest: ends of the range.
         lowest_allowed: whether the range includes its lower end.
-        usual: smallest and largest magnitude that causes no warning; None means within a factor of
-            100 of the default.
-        whole: whether the number must be whole; its value is then an int.
+        usual: smallest and largest magnitude that cause no warning. If it is None, a magnitude from
+            1/100 to 100 times the default causes no warning.
+        whole: whether the number must be whole; the value is then an int.
     """
 
     lowest: float = -math.inf
@@ -169,7 +170,7 @@ class Range(Declaration):
 
     @property
     def display(self) -> tuple[str, float]:
-        """Customary unit of the number, such as mm, and its size in the declared unit.
+        """Customary unit of the number, such as mm, and the size of this unit in the declared unit.
 
         The unit is "" for a pure number.
         """
@@ -186,10 +187,10 @@ class Range(Declaration):
         """Return the value of a typed number in the declared unit, after a check of its range.
 
         A number with a unit, such as ``27mm``, is converted. A number without a unit is taken to be
-        in the declared unit. A value that is no text is checked alone.
+        in the declared unit. A value that is not a text is checked without conversion.
 
         Raises:
-            ValueError: in one line, if the text is no decimal number, its unit has another
+            ValueError: in one line, if the text is not a decimal number, its unit has another
                 dimension, or its value is out of range.
         """
         if not isinstance(text, str):
@@ -218,8 +219,8 @@ class Range(Declaration):
             typed: text from which the value was read; the message then shows this text.
 
         Raises:
-            ValueError: if the value is no number or out of range; the message names key, value,
-                range and unit.
+            ValueError: if the value is not a number or is out of range; the message names key,
+                value, range and unit.
         """
         try:
             real = not isinstance(value, bool) and isinstance(value, Real)
@@ -236,13 +237,16 @@ class Range(Declaration):
         raise self.refusal(typed or unreadable, f"; did you mean {bare} {unit}?" if fits else "")
 
     def _holds(self, number: float) -> bool:
-        """Return whether a number is in the range, and whole where it must be."""
+        """Return whether a number is in the range, and is whole if it must be."""
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
         whole = not self.whole or number.is_integer()
         return above and number <= self.highest and math.isfinite(number) and whole
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return the ValueError for a refused value; ``why`` ends its message."""
+        """Return the ValueError for a refused value.
+
+        ``why`` is a text that the message appends to the permitted range.
+        """
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(
@@ -275,7 +279,7 @@ class Range(Declaration):
 
 @functools.cache
 def declarations(kind: Any) -> dict[str, Any]:
-    """Return the declarations of a parameter class, by the names of its fields."""
+    """Return the declarations of a parameter class by field name."""
     return {
         each.name: each.metadata["declaration"]
         for each in dataclasses.fields(kind)
@@ -284,16 +288,16 @@ def declarations(kind: Any) -> dict[str, Any]:
 
 
 class Computed(float):
-    """Value of a field that was not given but computed from other fields of its object.
+    """Number in a field that was not set, computed from other fields of the same object.
 
-    ``dataclasses.replace`` computes it again, and a tool file omits it.
+    ``dataclasses.replace`` computes the number anew, and a tool file omits it.
     """
 
     __slots__ = ()
 
 
 class UnusualValueWarning(UserWarning):
-    """Warns that a parameter is so far from its default that its unit may be mistaken."""
+    """Warns that a parameter is so far from its default that it may be in the wrong unit."""
 
 
 class UnknownFieldError(TypeError, ValueError):
@@ -348,7 +352,7 @@ class Declared:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        """Check every declared field, and replace its value by the checked one.
+        """Check every declared field, and replace its value by the checked value.
 
         A text such as "27 mm" becomes a number in the declared unit. An unusual value causes a
         warning.

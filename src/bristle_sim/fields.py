@@ -28,7 +28,8 @@ def quantity(default: float | None, rule: str, **further: Any) -> Any:
     Args:
         default: default value; None makes the parameter optional.
         rule: range, unit, meaning and source, in the form of :data:`RULE`.
-        further: ``usual``, ``needs``, ``whole`` and ``listed`` of its :class:`Range`.
+        further: further attributes of the :class:`Range`: ``usual``, ``needs``, ``whole`` and
+            ``listed``.
     """
     found = RULE.fullmatch(rule)
     assert found is not None, rule
@@ -53,17 +54,21 @@ count = functools.partial(quantity, usual=ANY, whole=True)
 
 
 def choice(rule: str, *options: str) -> Any:
-    """Declare a dataclass field whose value is one of a few words; the first is the default.
+    """Declare a dataclass field whose value is one of a few words.
 
-    ``rule`` gives key, meaning and source, in the form of :data:`WORDS`.
+    Args:
+        rule: key, meaning and source, in the form of :data:`WORDS`.
+        options: the permitted words; the first is the default.
     """
     return _declared(Choice(**_words(rule), default=options[0], options=options))
 
 
 def text(rule: str, kind: str) -> Any:
-    """Declare a dataclass field for an optional text: a ``file``, a ``folder`` or a ``column``.
+    """Declare a dataclass field for an optional text.
 
-    ``rule`` gives key, meaning and source, in the form of :data:`WORDS`.
+    Args:
+        rule: key, meaning and source, in the form of :data:`WORDS`.
+        kind: kind of the text: ``file``, ``folder`` or ``column``.
     """
     return _declared(Declaration(**_words(rule), unit=kind, optional=True))
 

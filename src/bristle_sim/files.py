@@ -20,10 +20,10 @@ _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 
 
 def named_path(path: object) -> Path:
-    """Return the path of a file after a check that it is a text or a path.
+    """Return a path as an object of the class ``Path``.
 
     Raises:
-        ValueError: for any other object.
+        ValueError: for an object that is neither a text nor a path.
     """
     if not isinstance(path, str | Path):
         raise ValueError(f"path = {shown(path)}: must be the name of a file")

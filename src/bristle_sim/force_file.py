@@ -23,8 +23,8 @@ UNIT = re.compile(r"^(.*?)\s*[\[(/]\s*([^\])/]*?)\s*[\])]?$")
 
 MOST = 1e100  # largest number in a file; the squares of larger times and forces overflow
 
-# least number of points in a file, because the fitted curve has three unknowns even if its start is
-# known
+# Least number of points in a file. The curve fitted to them has three unknowns even if the time of
+# its start is given.
 FEWEST_POINTS = 4
 
 
@@ -46,7 +46,13 @@ class Column(NamedTuple):
 
 
 class Chosen(NamedTuple):
-    """A column that was chosen, the factor that converts it to SI, and words on column and unit."""
+    """The column that holds the times or the forces.
+
+    Attributes:
+        column: the column.
+        factor: factor that converts its numbers to SI units.
+        reading: words that name the column and its unit.
+    """
 
     column: Column
     factor: float
@@ -138,7 +144,7 @@ def _lines(path: str | Path) -> list[str]:
 
 
 def _cells(path: str | Path, number: int, line: str, separator: str | None) -> list[str]:
-    """Return the texts between the separators of a line, without blanks and quotes around them."""
+    """Return the texts of a line between its separators, without surrounding blanks and quotes."""
     try:
         row = (
             next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
@@ -159,11 +165,11 @@ def _number(cell: str, decimal: str) -> float | None:
 
 
 def _value(path: str | Path, number: int, row: list[str], decimal: str, column: Column) -> float:
-    """Return the number that a row has in a column.
+    """Return the number of a row in a column.
 
     Raises:
-        ValueError: if it is no number, or larger than MOST; the message names file, line and
-            column.
+        ValueError: if the text is not a number, or the number is larger than MOST; the message
+            names file, line and column.
     """
     cell = row[column.number - 1] if column.number <= len(row) else ""
     value = _number(cell, decimal)
@@ -198,11 +204,13 @@ def _chosen(
     Args:
         path: name of the file, for the message.
         kind: ``time`` or ``force``.
-        key: heading or number of the column; None chooses the only column with a fitting unit, or
-            else the first column for the time and the only remaining column for the force.
+        key: heading or number of the column. None chooses the only column with a fitting unit. If
+            there is not exactly one, the time is in the first column, and the force in the only
+            column left.
         columns: columns from which to choose.
-        units: fitting units, with their factors; the first one is that of a column without a unit.
-        otherwise: what else may be done about a unit that does not fit, for the message.
+        units: conversion factors of the fitting units. A column without a unit is taken to be in
+            the first one.
+        otherwise: advice that the message adds if the unit does not fit.
 
     Raises:
         ValueError: if no column or several columns fit, or the unit does not.

@@ -26,8 +26,8 @@ CUSTOMARY = {
     "m^3/s": ("mm³/s", 1e-9),
     "m^2/s": ("m²/h", 1.0 / 3600.0),
 }
-"""Units that are always shown in another unit, with the conversion factor: the size of the shown
-unit in the given one."""
+"""Unit in which a quantity is shown, and the size of this unit in the original one, by the original
+unit."""
 
 
 def finite(value: float | None) -> float | None:
@@ -76,7 +76,8 @@ def aligned(
 
 
 def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
-    """Return a unit with a readable prefix for some values, and its size in the given unit.
+    """Return a unit with a readable prefix for some values, and the size of the new unit in the old
+    one.
 
     The prefix is chosen such that the largest value has one to three digits before the decimal
     point.
@@ -95,10 +96,10 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 
 
 def relative_text(value: float | None, sign: str = "") -> str:
-    """Return a relative number as text: in per cent, as a power of ten if it is below 1e-4, or as a
-    multiple from 10 on.
+    """Return a relative number as text.
 
-    ``sign`` is ``+`` if positive numbers are to have a sign.
+    The number is shown in per cent. Below 1e-4 it is shown as a power of ten, and from 10 on as a
+    multiple. If ``sign`` is ``+``, positive numbers have a sign.
     """
     if not value or not math.isfinite(value):
         return "0" if value == 0.0 else "-"

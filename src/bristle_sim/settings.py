@@ -53,7 +53,7 @@ EVENTS = (
 STOP_AFTER = Choice("stop_after", options=EVENTS)
 """Declaration of the event that ends a simulation."""
 
-# name of the event at which, before the strike, the first link lags the hub most
+# Name of the event before the strike at which the first link is farthest behind the radial direction
 LARGEST_RETRACTION = "largest retraction"
 
 OBSTACLE = Choice("obstacle", options=("bar", "workpart", "wire"))
@@ -67,8 +67,9 @@ class StopReason(StrEnum):
     """Reason for which a simulation stopped; its value is the text in messages and saved files.
 
     Attributes:
-        remedy: sentence on the change of a parameter that lets the simulation continue;
-            ``{friction}`` stands for the key of the touched obstacle's coefficient of friction.
+        remedy: sentence on the change of a parameter with which the simulation would not stop
+            there. In it, ``{friction}`` stands for the key of the friction coefficient of the
+            obstacle touched last.
         gives_up: whether the method failed, so that the motion after the stop is missing.
     """
 

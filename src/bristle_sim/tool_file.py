@@ -22,14 +22,15 @@ MAY_BE_ABSENT = ("bar", "workpart")
 
 
 def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, Any]:
-    """Return the keys and values of a parameter file; the values are not checked yet.
+    """Return the keys and values of a parameter file, without a check of the values.
 
     Args:
         path: name of the file.
         further: keys that may be in the file besides the keys of the tool.
 
     Returns:
-        Value by key, a text or a number; for an absent part False by the part's name.
+        Values by key, each a text or a number. If the file states that a part is absent, the name
+        of the part has the value False.
 
     Raises:
         ValueError: in one line, for a file that is not TOML, an unknown key, or a table.

@@ -68,8 +68,8 @@ def display_unit(key: str, unit: str) -> tuple[str, float]:
 def scaled(number: float, size: float) -> float:
     """Convert a typed number to the declared unit: return the number times the size of its unit.
 
-    If the declared unit is a whole multiple of the typed unit, as 1 m = 1000 mm, the result is the
-    floating-point number closest to the exact value.
+    If the declared unit is a whole multiple of the typed unit, as 1 m = 1000 mm, the result is
+    correctly rounded: it is the floating-point number closest to the exact value.
     """
     parts = round(1.0 / size) if size < 1.0 else 0
     return (
@@ -80,11 +80,10 @@ def scaled(number: float, size: float) -> float:
 
 
 def exact_text(value: float, key: str, unit: str) -> str:
-    """Return the shortest text with a unit from which the value is read back exactly, for example
-    ``27 mm`` or ``261.8 rad/s``.
+    """Return a short text with a unit from which the value is read back exactly.
 
-    The text is in the customary unit, or in the declared unit if that text is shorter or no text in
-    the customary unit is exact.
+    Examples are ``27 mm`` and ``261.8 rad/s``. The text is in the customary unit. It is in the
+    declared unit if that text is shorter, or if no text in the customary unit is exact.
 
     Args:
         value: value in the declared unit.
@@ -101,10 +100,10 @@ def exact_text(value: float, key: str, unit: str) -> str:
 
 
 def conversion(unit: str, to: str) -> float | None:
-    """Return the factor that converts a number from one unit to another; None between different
-    dimensions.
+    """Return the factor that converts a number from one unit to another.
 
-    An angle has a dimension of its own here: 250 Hz are not 250 rad/s, and N m is not N m/rad.
+    The result is None if the dimensions differ. An angle has a dimension of its own: 250 Hz is not
+    converted to rad/s, nor N m to N m/rad.
     """
     try:
         factor = float(_registry().Quantity(1.0, unit).to(to.replace(" ", "*")).magnitude)
@@ -115,10 +114,10 @@ def conversion(unit: str, to: str) -> float | None:
 
 
 def likely_unit(unit: str, to: str) -> str:
-    """Return a hint that suggests a unit in place of a mistyped one; empty if no unit is similar.
+    """Return a hint that suggests a unit in place of a mistyped one.
 
-    The suggested unit has the most similar name of the common units that can be converted to
-    ``to``.
+    Of the common units that can be converted to ``to``, the hint suggests the one with the most
+    similar name. It is empty if no name is similar.
     """
     fitting = {_unspaced(name): name for name in TYPICAL_UNITS if conversion(name, to) is not None}
     closeness = (
@@ -129,10 +128,10 @@ def likely_unit(unit: str, to: str) -> str:
 
 
 def meant_unit(text: str, unit: str, typical: float) -> str:
-    """Return the unit in which a number without a unit may have been meant.
+    """Return a unit in which a number typed without a unit may have been meant.
 
-    In that unit the number lies within a factor of ten of a typical value, which is in ``unit``. The
-    result is empty if there is no such unit, or if the text has a unit already.
+    In that unit the number lies within a factor of ten of ``typical``, a value in ``unit``. The
+    result is empty if there is no such unit, or if the text already has a unit.
     """
     try:
         number = float(text)

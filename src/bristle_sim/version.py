@@ -10,8 +10,8 @@ __version__ = "0.1.0"
 def commit() -> str:
     """Return the git commit of this package's source; empty if it is unknown.
 
-    It is read from the checkout, or from the file that an installed distribution contains. The
-    commit of a modified checkout ends in ``-dirty``.
+    The commit is read from the checkout, or from a file in the installed distribution. For a
+    modified checkout the text ends in ``-dirty``.
     """
     package = Path(__file__).parent
     built = package / "commit.txt"
@@ -41,7 +41,8 @@ def commit() -> str:
 
 
 def named_commit() -> dict[str, str]:
-    """Return a dictionary with the entry ``commit`` for JSON output; empty if the commit is
-    unknown.
+    """Return a dictionary with the entry ``commit`` for JSON output.
+
+    The dictionary is empty if the commit is unknown.
     """
     return {"commit": commit()} if commit() else {}

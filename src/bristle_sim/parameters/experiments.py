@@ -12,7 +12,7 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 
 
 def speed_ratio_at_strike() -> Any:
-    """Declare the field for the ratio of the bristle's rate to the hub's speed at the strike."""
+    """Declare the field for the bristle's angular velocity divided by the hub's, at the strike."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
     return quantity(
         3.23,
@@ -21,8 +21,12 @@ def speed_ratio_at_strike() -> Any:
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GAMMA) -> Any:
-    """Declare the field for the impact angle gamma (deg) with its source, largest value and
-    meaning.
+    """Declare the field for the impact angle gamma, deg.
+
+    Args:
+        source: source of the default, 23.4 deg.
+        at_most: largest permitted angle, deg.
+        meaning: meaning of the angle, in words.
     """
     return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg: {meaning} [{source}]")
 
@@ -40,7 +44,7 @@ class Release(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Strike(Declared):
-    """State of a radial bristle at the instant of its strike."""
+    """State of a bristle that points radially at the instant of its strike."""
 
     speed_ratio: float = speed_ratio_at_strike()
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, sec. 2.3: gamma")
@@ -48,12 +52,12 @@ class Strike(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ContactStiffness(Declared):
-    """Stiffness of the contact between tip and workpart, given by the contact's duration.
+    """Stiffness of the contact between tip and workpart, specified by the contact's duration.
 
-    The duration T is the duration that the contact of a rigid bristle would have without friction,
-    while the bristle stays near its position at the first touch: a quarter of a period of the
-    oscillation on the spring in compression, and a quarter of a period on the spring in
-    restitution, which is 1/e*^2 times as stiff.
+    The duration T is that of the contact of a rigid bristle without friction, if the bristle's
+    rotation during the contact is neglected. The tip then oscillates on the spring: compression
+    takes a quarter of a period. Restitution takes a quarter of a period on a spring that is 1/e*^2
+    times as stiff.
     """
 
     duration: float = quantity(
@@ -109,10 +113,10 @@ class SinglePendulum(Declared):
 
 @dataclass(frozen=True, slots=True)
 class DoublePendulum(Declared):
-    """Stronge's double pendulum: two rods of equal length, of which the second strikes with its
-    end.
+    """Stronge's double pendulum: two rods of equal length in a chain that hangs from a fixed hinge.
 
-    The first rod, on the fixed hinge, is ``mass_ratio`` times as heavy as the second.
+    The second rod strikes with its end. The first rod, on the hinge, is ``mass_ratio`` times as
+    heavy as the second.
     """
 
     mass: float = quantity(
@@ -165,7 +169,7 @@ class Neighbours(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
-    """The choice whether a result is compared with the independent solution of the same problem."""
+    """Choice whether a result is compared with the independent solution of the same problem."""
 
     reference: str = choice(
         "reference: whether the independent solution is computed too and judges the result"
@@ -180,7 +184,7 @@ MEDIUM = "ISO 2768-1 medium"
 
 @dataclass(frozen=True, slots=True)
 class MapGrid(Declared):
-    """Resolution and extent of the maps over the bar's position."""
+    """Resolution and extent of the maps of a quantity against the bar's position."""
 
     points: int = count(
         121, "2 <= map_points <= 2000: number of points along each axis of the maps [chosen]"
@@ -216,10 +220,9 @@ def _spread(default: float, key: str, unit: str, source: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Spreads(Declared):
-    """Half-widths of the intervals in which the inputs of a tolerance study vary, in the units of
-    the inputs.
+    """Half-widths of the intervals in which the inputs of a tolerance study vary.
 
-    An input with half-width 0 keeps its value.
+    Each half-width has the unit of its input. An input with half-width 0 does not vary.
     """
 
     hub_speed: float = _spread(
@@ -251,10 +254,10 @@ class Sampling(Declared):
     """Number and seed of the samples from which a study computes sensitivity indices.
 
     A study with d inputs simulates (d + 2) passes for each sample. The samples are points of Sobol
-    sequences with two dimensions for each input. The first points of a sequence leave pairs of
-    dimensions correlated: on a linear model with 13 inputs the error of the indices was up to 0.4
-    with 64 points, 0.2 with 128, 0.1 with 256 and 0.03 with 512. The samples are divided among
-    sixteen sequences, whose scatter shows such errors.
+    sequences with two dimensions for each input. The first points of a sequence are correlated in
+    some pairs of dimensions. On a linear model with 13 inputs, the error of the indices was
+    therefore up to 0.4 with 64 points, 0.2 with 128, 0.1 with 256 and 0.03 with 512. The samples
+    are divided among sixteen sequences, whose scatter shows such errors.
     """
 
     samples: int = count(

@@ -52,8 +52,9 @@ class Measurement(Declared):
 class ForceHistory(Declared):
     """Settings of the simulated contact whose force is compared with a given force curve.
 
-    If ``speed_ratio`` is None, it is chosen so that the impulse of the contact's compression equals
-    that of the curve. If ``compression_time`` is None, the curve's time to its peak is used.
+    If ``speed_ratio`` is None, the simulated impulse up to the end of compression is made equal to
+    that of the curve. If ``compression_time`` is None, it is the time at which the curve has its
+    peak.
     """
 
     speed_ratio: float | None = quantity(
@@ -99,7 +100,7 @@ class Crater(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Measured(Declared):
-    """The comparison of the impact law with measured impacts: tangential compliance and data."""
+    """Settings of the comparison of the impact law with measured impacts."""
 
     tangential_compliance: float = quantity(
         1.15,
@@ -114,10 +115,11 @@ class Measured(Declared):
 
 @dataclass(frozen=True, slots=True)
 class FilmGrid(Declared):
-    """The points of a map over contact duration and wire damping, and the settings of a simulated
-    high-speed camera.
+    """Points of a map of contact duration and wire damping, and settings of a simulated high-speed
+    camera.
 
-    The camera films the pass at the point of the map that is nearest to the measured facts.
+    The camera films one pass: that of the point of the map whose results are nearest to the
+    measurements.
     """
 
     durations: int = count(

@@ -10,7 +10,7 @@ from bristle_sim.fields import ANY, choice, count, quantity
 Vector = tuple[float, float]
 
 PRINTED_BELT_STIFFNESS = (
-    0.00041  # printed as "N m/rad" (Zhang 2020, eq. 2.2), which can only be meant per degree
+    0.00041  # N m/deg; printed with the unit N m/rad (Zhang 2020, eq. 2.2), which must be an error
 )
 # Usual hub speeds, rad/s: 10 to 14 000 rpm. A speed in rpm that is typed without its unit is
 # usually larger, and causes a warning.
@@ -78,8 +78,8 @@ class Belt(Declared):
 def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
     """Return the mass of a wire (kg) from its length (m), diameter (m) and density (kg/m^3).
 
-    It is computed as the printed mass times ratios, so that the printed wire has exactly the
-    printed mass.
+    The mass printed in the dissertation is scaled by the ratios of these values to the printed
+    ones. A wire with the printed values therefore has exactly the printed mass.
     """
     section = (diameter / PRINTED_DIAMETER) ** 2
     return PRINTED_MASS * section * (length / PRINTED_LENGTH) * (density / PRINTED_DENSITY)
@@ -87,11 +87,11 @@ def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
 
 @dataclass(frozen=True, slots=True)
 class Bristle(Declared):
-    """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that
-    bends at its joints.
+    """Slender wire, straight or with one knee.
 
-    A mass that is not given is the density times the wire's volume. ``dataclasses.replace``
-    computes it again, whereas a given mass stays unless it is replaced itself.
+    It is one rigid rod, or a chain of equal rigid links that bends at the joints. If no mass is
+    given, the mass is the density times the wire's volume. ``dataclasses.replace`` then computes
+    the mass anew, but preserves a mass that was given.
     """
 
     length: float = quantity(
@@ -207,8 +207,9 @@ class Bristle(Declared):
 
 
 def _bar_radius() -> float:
-    """Return the radius (m) with which a bar at the printed position touches the tip of a wire at
-    the printed retraction.
+    """Return the radius (m) of the bar for which the tip touches the bar at the printed retraction.
+
+    The bar has the position printed in the dissertation.
     """
     hub_radius = 0.0275
     length = PRINTED_LENGTH
@@ -249,7 +250,7 @@ class Bar(Declared):
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Centre of the bar, (-horizontal, -vertical), from the hub's centre, m."""
+        """Position of the bar's centre, (x, y) from the hub's centre, m."""
         return (-self.horizontal, -self.vertical)
 
 
@@ -275,7 +276,10 @@ class Surface(Declared):
 
     @property
     def friction_in_restitution(self) -> float:
-        """Coefficient of friction mu_2 during restitution; ``friction`` unless it is given."""
+        """Coefficient of friction mu_2 during restitution.
+
+        It is ``restitution_friction``, or ``friction`` if that is None.
+        """
         return self.friction if self.restitution_friction is None else self.restitution_friction
 
 

@@ -19,8 +19,8 @@ from bristle_sim.units import likely_key, shown
 # Default hub angle at the start of a pass, rad: a quarter of a revolution before the direction of
 # the workpart.
 START = -math.pi / 2.0
-# Hub angle, rad, between an earlier start and the touch of the bar: far more than rounding error of
-# a gap.
+# Rotation of the hub, rad, between a start before START and the touch of the bar. It is far larger
+# than the rounding error of a gap.
 CLEAR_OF_BAR = math.radians(5.0)
 
 
@@ -28,11 +28,12 @@ CLEAR_OF_BAR = math.radians(5.0)
 class Tool(Declared):
     """The bristle-blasting tool.
 
-    ``bar=None`` or ``workpart=None`` leaves the part out. The defaults are the dissertation's tool
-    (Zhang 2020, eqs. 2.2 and 2.3), with its belt stiffness read as per degree.
+    A tool with ``bar=None`` or ``workpart=None`` has no such part. The defaults are those of the
+    dissertation (Zhang 2020, eqs. 2.2 and 2.3). The belt stiffness printed there in N m/rad is
+    taken to be in N m/deg.
 
-    Raises ValueError for a part of the wrong class, and for a workpart or a bar that would touch
-    the hub's rim or the root circle.
+    Raises ValueError for a part of the wrong class, for a workpart that would touch the hub's rim,
+    and for a bar that would touch the root circle.
     """
 
     hub: Hub = field(default_factory=Hub)
@@ -94,8 +95,9 @@ class Tool(Declared):
         return f"<table>{''.join(rows)}</table>"
 
     def _in_words(self) -> list[tuple[str, str]]:
-        """Return (name of the part, its values in words) for each part; fields without a value are
-        left out.
+        """Return the name and the values of each part as text.
+
+        Fields without a value are left out.
         """
         found = []
         for part, fields in FIELDS.items():
@@ -148,15 +150,16 @@ class Tool(Declared):
     def start_hub_angle(self) -> float:
         """Hub angle at the start of a pass, rad.
 
-        By default it is -pi/2 if the wire has not yet reached the bar there. Otherwise the start is
-        5 deg before the angle at which the undeflected wire first touches the bar.
+        By default it is -pi/2 if the undeflected wire first touches the bar at a later angle.
+        Otherwise the start is 5 deg before the angle of this touch.
 
-        In complex numbers from the hub's centre, with the root's direction as real axis, the bar's
-        centre is S e^{i phi}; phi decreases while the hub turns. With the bar's radius r_b and the
-        wire's diameter d, the bar touches a straight segment of the wire, of direction e^{i eta}
-        and at the distance h from the hub's centre, where S sin(phi - eta) = h + r_b + d/2. It
-        touches a corner of the wire at rho e^{i theta} where S^2 + rho^2 - 2 S rho cos(phi - theta)
-        = (r_b + d/2)^2. The touch with the largest phi comes first.
+        The touch is computed in complex numbers, with the hub's centre as origin and the root's
+        direction as real axis. There the bar's centre is S e^{i phi}, and phi decreases as the hub
+        rotates. The bar's radius is r_b and the wire's diameter d. The bar touches a straight
+        segment of the wire, of direction e^{i eta} and at the distance h from the hub's centre, if
+        S sin(phi - eta) = h + r_b + d/2. The bar touches a corner of the wire at rho e^{i theta} if
+        S^2 + rho^2 - 2 S rho cos(phi - theta) = (r_b + d/2)^2. The first touch is the one with the
+        largest phi.
         """
         if self.start_hub_angle_deg is not None:
             return math.radians(self.start_hub_angle_deg)

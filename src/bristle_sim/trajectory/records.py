@@ -42,8 +42,9 @@ class Cost:
             motion.
         error_estimate: the method's own estimate of the error of the last state, relative to the
             size of the motion; None if the method has no estimate.
-        holds_until: time up to which the estimate is valid, s; None if it is valid to the end. The
-            outcome of the impact at that time depends on the error, as in chatter.
+        holds_until: time up to which the estimate is valid, s; None if it is valid to the end of
+            the run. The estimate ends at an impact whose outcome depends on the error, as in
+            chatter.
     """
 
     wall_s: float
@@ -118,8 +119,9 @@ class Motion(WireMotion):
 
     @property
     def retraction(self) -> Array:
-        """Angle by which the first link is behind the radial direction, rad: minus
-        ``relative_angle``.
+        """Angle by which the first link lags behind the radial direction, rad.
+
+        It is ``relative_angle`` with the opposite sign.
         """
         return np.asarray(self.hub_angle - self.angles[..., 0])
 
@@ -130,12 +132,14 @@ class Motion(WireMotion):
 
     @property
     def total_energy(self) -> Array:
-        """Kinetic plus potential energy, J; it is not constant, since the hub's drive does work."""
+        """Kinetic plus potential energy, J.
+
+        It is not constant, since the hub's drive does work on the bristle.
+        """
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity as a column of a table; the keys are titles of the form "name
-        (unit)".
+        """Return every quantity as a column of a table, by its title "name (unit)".
 
         The motion must have a one-dimensional array of instants. Each column has one entry for each
         instant.
@@ -167,7 +171,7 @@ class ContactHistory(EqualByValue):
     """The history of a compliant contact, as arrays of equal length.
 
     Attributes:
-        time: times on the run's clock (s) from the first touch on.
+        time: times from the first touch on, measured from the start of the run, s.
         normal_force: normal force on the tip, N.
         tangential_force: tangential force on the tip, N.
         penetration: penetration (m), positive inside the workpart.
@@ -183,9 +187,7 @@ class ContactHistory(EqualByValue):
     tangential_velocity: Array
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity as a column of a table; the keys are titles of the form "name
-        (unit)".
-        """
+        """Return every quantity as a column of a table, by its title "name (unit)"."""
         units = ("s", "N", "N", "m", "m/s", "m/s")
         named = zip(dataclasses.fields(self), units, strict=True)
         return {f"{each.name} ({unit})": getattr(self, each.name) for each, unit in named}
@@ -201,34 +203,35 @@ class ContactRecord:
         obstacle: ``bar``, ``workpart``, or ``wire`` for another bristle.
         law: ``energetic``, ``compliant`` or ``engine`` for an impact; ``sustained`` for a sustained
             contact.
-        outcome: outcome by the impact law; for a sustained contact, the reason why it ended: a
-            release, another contact, or the stop of the run.
+        outcome: result of the impact law, for example ``rebound``. For a sustained contact it is
+            the reason why the contact ended: a release, another contact, or the stop of the run.
         time: start of the contact, s.
         duration: duration, s; 0 for an instantaneous impact.
         impulse: impulse on the wire, N s.
-        compressive_impulse: impulse up to the end of compression, N s; None if the law has no
-            phases.
-        compressive_work: work of the impulse on the wire in compression, J; for a sustained contact
-            (0, work of friction).
+        compressive_impulse: impulse on the wire up to the end of compression, N s; None if the law
+            has no phases.
+        compressive_work: work of the impulse on the wire in compression, J; None if the law has no
+            phases. For a sustained contact the normal component is 0 and the tangential component
+            is the work of friction.
         restitutive_work: work of the impulse on the wire in restitution, J; None for a sustained
-            contact.
+            contact, or if the law has no phases.
         velocity_before: velocity of the contact point before the contact, m/s.
         velocity_after: velocity of the contact point after the contact, m/s.
         angles: absolute angle of every link when the contact began, rad.
         rates_before: absolute angular velocity of every link before the contact, rad/s.
         rates_after: absolute angular velocity of every link after the contact, rad/s.
-        phases: names of the phases in order, for example
-            ``("compression slip", "restitution slip")``.
+        phases: names of the phases in order, for example ``("compression slip", "restitution
+            slip")``.
         history: forces and motion of a compliant contact over time; None for any other contact.
         link: number of the link in contact, from 1 at the root; None for a rigid bristle, and in
             the reference solution.
         neighbour: number of the other bristle in its row, from 1 for the foremost bristle; None for
             any other obstacle.
-        point: part of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
+        point: point of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
             links), or ``flank`` (between corners). It is empty for a contact of two wires, and for
             a single contact that is not part of a pass.
-        place: position of that point on the wire's centre line at the start, (x, y) from the hub's
-            centre, m; None where ``point`` is empty.
+        place: position of this point on the wire's centre line at the start of the contact, (x, y)
+            from the hub's centre, m; None where ``point`` is empty.
     """
 
     obstacle: str
@@ -254,8 +257,9 @@ class ContactRecord:
 
     @property
     def work(self) -> tuple[float, float] | None:
-        """Work of the impulse on the wire, as (normal, tangential), J; None if the law has no
-        phases.
+        """Work of the impulse on the wire, (normal, tangential), J.
+
+        It is None if the law has no phases.
         """
         if self.compressive_work is None or self.restitutive_work is None:
             return self.compressive_work
@@ -264,10 +268,11 @@ class ContactRecord:
 
     @property
     def outcome_in_words(self) -> str:
-        """The outcome as sentences and ``ensemble`` state it.
+        """The outcome as it stands in sentences and in the results of ``ensemble``.
 
-        It is *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays* or *jams*. Only phases
-        with an impulse count as reverse slip or stick. A sustained contact keeps its own outcome.
+        The outcome of an impact is *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays*
+        or *jams*. Reverse slip and stick count only in phases with an impulse. For a sustained
+        contact the text is ``outcome``.
         """
         if self.outcome != "rebound":
             ends = {"jam": "jams", "stiction": "stays", "no rebound": "stays"}
@@ -279,13 +284,13 @@ class ContactRecord:
 
     @property
     def friction_magnification(self) -> float:
-        """Normal impulse over the normal impulse that would change the normal velocity equally
-        without friction; it is large near the jam.
+        """Factor by which friction increases the normal impulse; it is large near the jam.
 
-        With the contact-space inverse mass matrix K, the velocity change is dv = K p for an
-        impulse p, and the impulse without friction is dv_n/K_nn. For a rod of one degree of
-        freedom, whose K has rank one, the ratio is p_n dv_n/(p . dv). It is 1 without friction, and
-        infinite if the impulse points along the wire and moves nothing.
+        The normal impulse p_n is divided by the normal impulse that would cause the same change of
+        the normal velocity without friction. An impulse p changes the velocity by dv = K p, with
+        the contact-space inverse mass matrix K; without friction the normal impulse is dv_n/K_nn.
+        For a rod of one degree of freedom K has rank one, and the factor is p_n dv_n/(p . dv). It
+        is 1 without friction, and infinite if the impulse points along the wire and moves nothing.
         """
         normal, tangential = (
             after - before
@@ -295,8 +300,7 @@ class ContactRecord:
         return self.impulse[0] * normal / work if work > 0.0 else math.inf
 
     def columns(self) -> dict[str, Array]:
-        """Return the contact's history as columns of a table; the keys are titles of the form "name
-        (unit)".
+        """Return the contact's history as columns of a table, by their titles "name (unit)".
 
         Raises:
             ValueError: for a contact without a history.

@@ -29,8 +29,8 @@ from bristle_sim.trajectory.records import (
 
 FORMAT = 4  # version of the file format
 MOST_UNPACKED = (
-    # size of the unpacked arrays, bytes, up to which any file is read: a million samples of a rigid
-    # bristle
+    # Size of the unpacked arrays, bytes, up to which any file is read. A million samples of a rigid
+    # bristle have this size.
     256e6
 )
 # Largest ratio of unpacked to packed size of a file with larger arrays. Compression reduces the
@@ -48,7 +48,7 @@ def write(run: Any, path: str | Path) -> None:
     The file appears only when it is complete.
 
     Raises:
-        OSError: if the file cannot be written; the message states its name.
+        OSError: if the file cannot be written; the message names the file.
     """
     arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLED}
     for number, contact in enumerate(run.contacts):
@@ -111,9 +111,11 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def _check_size(members: ZipFile, size: int) -> None:
-    """Check that the arrays of a file do not fill the memory when they are unpacked.
+    """Check that the arrays of a file are not so large that they fill the memory when unpacked.
 
-    ``size``: size of the packed file, bytes.
+    Args:
+        members: members of the packed file.
+        size: size of the packed file, bytes.
 
     Raises:
         ValueError: if the arrays are too large.

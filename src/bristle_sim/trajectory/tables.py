@@ -20,9 +20,9 @@ the names of its dimensions."""
 
 
 def to_dataframe(run: Any) -> pd.DataFrame:
-    """Return all sampled quantities of a trajectory as a pandas DataFrame, with one row for each sample.
+    """Return all sampled quantities of a trajectory as a pandas DataFrame, one row for each sample.
 
-    Its ``attrs["units"]`` holds the units by column.
+    The frame's ``attrs["units"]`` holds the units by column.
 
     Raises:
         ImportError: if pandas is not installed.
@@ -38,10 +38,10 @@ def to_dataframe(run: Any) -> pd.DataFrame:
 def to_xarray(run: Any) -> xarray.Dataset:
     """Return all sampled quantities of a trajectory as an xarray Dataset, with units.
 
-    The coordinate ``time`` increases strictly, so that ``interp(time=...)`` works. It interpolates
-    linearly; ``Trajectory.at`` has a higher order. Where samples have the same instant, the later
-    samples are shifted by the smallest step of a double. The coordinate ``instant`` is the recorded
-    time.
+    The coordinate ``instant`` is the recorded time of each sample, s. The coordinate ``time`` is
+    the same, except that equal times are made distinct: each later one is increased to the next
+    floating-point number. ``time`` therefore increases strictly, as ``interp(time=...)`` requires.
+    That method interpolates linearly; ``Trajectory.at`` is of higher order.
 
     Raises:
         ImportError: if xarray is not installed.
@@ -77,7 +77,7 @@ def to_xarray(run: Any) -> xarray.Dataset:
 
 
 def installed(library: str) -> Any:
-    """Return an optional library, imported.
+    """Import an optional library and return it.
 
     Raises:
         ImportError: if it is not installed; the message names the extra that installs it.

@@ -26,15 +26,16 @@ from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# ratio of error estimate to requested accuracy above which the run reports the excess
+# Largest ratio of error estimate to requested accuracy for which a run has no warning
 EXCESS_SAID = 100.0
-# least notable extreme of the motion relative to the hub, as a fraction of the run's largest value
+# Smallest extreme of the motion relative to the hub that is listed, as a fraction of the largest in
+# the run
 NOTABLE = 0.01
 
 EVENTS_SHOWN = 6  # largest number of events in a summary
 
-# Largest distance of a touch from a corner of the wire up to which the corner counts as touched, as
-# a fraction of the length of the straight segment.
+# Largest distance of a touch from a corner of the wire at which the corner counts as touched, as a
+# fraction of the length of the straight segment
 CORNER_ROUNDING = 1e-9
 
 
@@ -67,7 +68,7 @@ class Trajectory(Motion):
     def event_time(
         self, name: str, *, last: bool = False, before: float = math.inf
     ) -> float | None:
-        """Return the time of the first or the last event of a name, s; None if there is no such
+        """Return the time (s) of the first or the last event of a name, or None without such an
         event.
 
         Args:
@@ -86,11 +87,11 @@ class Trajectory(Motion):
 
     @property
     def notable_events(self) -> tuple[Event, ...]:
-        """All events, except extremes of the motion relative to the hub below 1 % of the run's
-        largest.
+        """All events except small extremes of the motion relative to the hub.
 
-        Small extremes are, for example, those of a bent wire carried by the hub, which swings by a
-        tenth of a degree before it meets the bar.
+        An extreme of retraction or relative speed is left out if it is smaller than 1 % of the
+        largest value in the run. A bent wire, for example, swings by a tenth of a degree on the hub
+        before it meets the bar.
         """
         sizes = {
             "largest retraction": abs(self.relative_angle),
@@ -105,8 +106,10 @@ class Trajectory(Motion):
 
     @property
     def stop_advice(self) -> str:
-        """Advice on how to avoid the stop of the run. It names the friction parameter of the
-        obstacle touched last.
+        """Advice on a change of parameters with which the run would not stop early.
+
+        Where friction is the cause, the advice names the friction parameter of the obstacle that
+        was touched last.
         """
         at_bar = self.contacts and self.contacts[-1].obstacle == "bar"
         return self.stop_detail or self.stop_reason.remedy.format(
@@ -115,12 +118,11 @@ class Trajectory(Motion):
 
     @property
     def accuracy_not_reached(self) -> str:
-        """A warning if the error estimate exceeds the requested accuracy more than a hundredfold;
-        otherwise empty.
+        """A warning if the error estimate exceeds the requested accuracy more than a hundredfold.
 
-        The warning states the remedy. It begins with "accuracy not reached", unless the estimate is
-        valid only for the first part of the run: chatter, or a touch slower than the error, ends
-        its validity.
+        It is empty otherwise. The warning states the remedy. It begins with "accuracy not reached"
+        if the estimate is valid for the whole run. The validity may end earlier, at chatter or at a
+        touch slower than the error.
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")
@@ -171,11 +173,12 @@ class Trajectory(Motion):
             ) from error
 
     def with_places(self, tool: Tool) -> Trajectory:
-        """Return the trajectory after setting ``point`` and ``place`` in the records of its
-        contacts with bar and workpart, the part of the wire in contact and its position.
+        """Return a copy in which the records of contacts with bar and workpart have ``point`` and
+        ``place``.
 
-        At the workpart it is the corner of the centre line nearest to the workpart's surface. At
-        the bar it is the point of the centre line nearest to the bar's centre.
+        These are the kind and the position of the point of the wire in contact. At the workpart it
+        is the corner of the centre line nearest to the workpart's surface. At the bar it is the
+        point of the centre line nearest to the bar's centre.
         """
         contacts = []
         for contact in self.contacts:
@@ -205,7 +208,7 @@ class Trajectory(Motion):
         return dataclasses.replace(self, contacts=tuple(contacts))
 
     def course_in_words(self) -> list[str]:
-        """Return one line each for events, stop reason and cost of a self."""
+        """Return three lines of text: the events, the reason of the stop, and the cost of the run."""
         notable = self.notable_events
         events = ", ".join(
             f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
@@ -224,9 +227,10 @@ class Trajectory(Motion):
         ]
 
     def __repr__(self) -> str:
-        """Return a text with one line each for samples, strike, events, stop reason and cost of a self.
+        """Return a text with one line each for samples, strike, events, reason of the stop, and
+        cost.
 
-        If the accuracy was not reached, a further line states it.
+        If the requested accuracy was not reached, a further line states it.
         """
         first, last = (1e3 * float(instant) for instant in (self.time[0], self.time[-1]))
         contact = self.first_contact("workpart")
@@ -249,14 +253,14 @@ class Trajectory(Motion):
         return "\n".join(filter(None, lines))
 
     def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
-        """Return the motion at one instant or several, interpolated between samples.
+        """Return the motion at one or several instants, interpolated between samples.
 
         :class:`Interpolation` states the accuracy.
 
         Args:
             time: instants (s), an array of any shape.
-            side: at the instant of an impact, ``before`` for the state before it or ``after`` for
-                the state after it.
+            side: at the instant of an impact, ``before`` for the state before the impact or
+                ``after`` for the state after it.
 
         Raises:
             ValueError: for an instant outside the run, any other side, or a run whose samples all
@@ -267,7 +271,8 @@ class Trajectory(Motion):
     def course(self, until: float = math.inf, points: int = 1500) -> Motion:
         """Return the motion for drawing, at every sample and at equally spaced instants.
 
-        An impact has two entries of the same instant: before it and after it.
+        At the instant of an impact there are two entries: the state before the impact and the state
+        after it.
 
         Args:
             until: last instant, s; by default the end of the run.
@@ -330,7 +335,9 @@ class Trajectory(Motion):
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a trajectory from a file that :meth:`save` wrote; the name must be exactly the same.
+        """Read a trajectory from a file that :meth:`save` wrote.
+
+        The name must be exactly that of the file; no suffix is added.
 
         Raises:
             OSError: if the file cannot be read.
