@@ -30,9 +30,12 @@ class ContactSpring:
     Attributes:
         stiffness: normal stiffness k in loading.
         restitution: energetic coefficient of restitution e*.
-        friction, restitution_friction: Coulomb's mu in loading and in unloading.
-        compliance: ratio eta^2 of the normal to the tangential stiffness; 0 makes the contact rigid
-            along the surface.
+        friction: Coulomb's coefficient of friction in loading.
+        restitution_friction: Coulomb's coefficient of friction in unloading.
+        compliance: ratio eta^2 of the normal to the tangential stiffness. With 0 there is no
+            tangential spring: the contact is rigid along the surface.
+
+    A spring with e* = 0.5 is loaded to a penetration of 0.5 and unloads to the residual 0.375:
 
     >>> spring = ContactSpring(stiffness=1000.0, restitution=0.5, friction=0.3, restitution_friction=0.3)
     >>> spring.normal_force(0.25)
@@ -52,23 +55,27 @@ class ContactSpring:
     compliance: float = 0.0
 
     def residual(self, deepest: float) -> float:
-        """Return the penetration at which the force reaches 0 in unloading from the deepest one."""
+        """Return the penetration at which the normal force falls to 0 in unloading.
+
+        ``deepest`` is the penetration at which unloading began.
+        """
         return deepest * (1.0 - self.restitution**2)
 
     def steepness(self, *, loading: bool) -> float:
-        """Return the normal stiffness in loading or in unloading, divided by the one in loading.
+        """Return the normal stiffness divided by that in loading.
 
-        This ratio kappa is 1 in loading and 1/e*^2 in unloading. Without restitution (e* = 0) the
-        force in unloading is 0, and so is kappa.
+        This ratio kappa is 1 in loading and 1/e*^2 in unloading. Without restitution (e* = 0) it is
+        0 in unloading, because there is no force.
         """
         if loading:
             return 1.0
         return 1.0 / self.restitution**2 if self.restitution else 0.0
 
     def normal_force(self, penetration: float, deepest: float | None = None) -> float:
-        """Return the normal force N at a penetration.
+        """Return the normal force at a penetration.
 
-        ``deepest`` is the penetration from which the spring unloads; with None the spring loads.
+        ``deepest`` is the penetration at which unloading began; None means that the spring is
+        loading.
         """
         loading = deepest is None
         residual = 0.0 if deepest is None else self.residual(deepest)
@@ -79,7 +86,7 @@ class ContactSpring:
         return self.friction if loading else self.restitution_friction
 
     def foot_velocity(self, velocity: Vector, slip: int, *, loading: bool) -> float:
-        """Return the velocity, along the surface, of the tangential spring's sliding foot.
+        """Return the velocity of the tangential spring's sliding foot along the surface.
 
         ``velocity`` is the (normal, tangential) velocity of the contact point. ``slip`` is the
         sense in which the foot slides, -1 or 1.
@@ -93,15 +100,16 @@ class ContactSpring:
         return velocity[1] + stretching * velocity[0]
 
     def tangential_force(self, place: float, foot: float) -> float:
-        """Return the force of the tangential spring between the contact point and its fixed foot.
+        """Return the force of the tangential spring while its foot sticks.
 
-        ``place`` and ``foot`` are their coordinates along the surface.
+        ``place`` is the coordinate of the contact point along the surface, ``foot`` that of the
+        foot.
         """
         return -(self.stiffness / self.compliance) * (place - foot)
 
     def foot(self, place: float, force: float) -> float:
-        """Return the coordinate of the foot along the surface, from the tangential spring's force.
+        """Return the coordinate along the surface at which the tangential spring's foot must be.
 
-        ``place`` is the coordinate of the contact point.
+        ``place`` is the coordinate of the contact point, ``force`` the force of the spring.
         """
         return place + force * self.compliance / self.stiffness

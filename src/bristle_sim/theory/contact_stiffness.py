@@ -9,16 +9,16 @@ import math
 
 from bristle_sim.theory.impact import Impact
 
-# Rounding error of a phase's change of velocity, over the velocities at its ends. With a smaller change
-# the phase is a motion at constant velocity.
+# Rounding error of the change of velocity in a phase, as a fraction of the velocities at its ends.
+# A phase with a smaller change is treated as a motion at constant velocity.
 ROUNDING = 1e-12
 
 
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
-    """Return the contact stiffness at which a frictionless contact lasts a given time.
+    """Return the normal stiffness at which a frictionless contact lasts a given time.
 
-    It is k = (pi (1 + e*)/(2 T))^2/K_nn, where K_nn is the inverse mass along the normal, e* the
-    energetic coefficient of restitution and T the duration.
+    The stiffness is k = (pi (1 + e*)/(2 T))^2/K_nn, where K_nn is the inverse mass along the
+    normal, e* the energetic coefficient of restitution and T the duration.
 
     A point of 1 kg on a spring of 1 N/m is in contact for half a period, pi s:
 
@@ -31,14 +31,19 @@ def frictionless_stiffness(inverse_mass: float, restitution: float, duration: fl
 def stiffness_for_duration(
     impact: Impact, velocity: float, restitution: float, duration: float
 ) -> float:
-    """Return the stiffness at which a contact lasts a given time, in the limit of short contacts.
+    """Return the normal stiffness at which a contact lasts a given time.
 
-    In this limit the duration is inversely proportional to the square root of the stiffness.
-    ``impact`` is the result of the rigid-body law. ``velocity`` is the normal velocity before the
-    impact, which is negative. ``restitution`` is the energetic coefficient.
+    The result holds in the limit of short contacts, in which the duration is inversely proportional
+    to the square root of the stiffness.
 
-    The point of ``frictionless_stiffness``, in contact for half the time, needs four times the
-    stiffness:
+    Args:
+        impact: result of the rigid-body law for the same impact.
+        velocity: normal velocity before the impact, which is negative.
+        restitution: energetic coefficient of restitution.
+        duration: required duration of the contact.
+
+    A point of 1 kg that is in contact for pi/2 s needs a stiffness of 4 N/m, as half a period of
+    its oscillation is then pi/2 s:
 
     >>> from bristle_sim.theory.impact import energetic_impact
     >>> impact = energetic_impact([[1.0, 0.0], [0.0, 1.0]], (-3.0, 0.0), 0.0, 1.0)
@@ -49,11 +54,12 @@ def stiffness_for_duration(
 
 
 def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
-    """Return the duration that a contact of stiffness 1 would have, in the limit of short contacts.
+    """Return the duration of a contact of normal stiffness 1, in the limit of short contacts.
 
-    Within a phase of the impact the normal velocity v and the normal force N obey v' = a N and
-    N' = -k v, where a is the change of v per unit normal impulse in that phase. The phase is
-    therefore part of a harmonic motion. The impact law gives v and N at the ends of the phase.
+    Within a phase of the impact the normal velocity v and the normal force N obey v' = a N and N' =
+    -k v, where a is the change of v per unit normal impulse in that phase. The phase is therefore
+    part of a harmonic motion. Its duration follows from v and N at its ends, which the impact law
+    gives.
     """
     works = impact.phase_work_normal.tolist()
     time = 0.0

@@ -46,7 +46,9 @@ CUTTING_FRICTION = 0.5
 """Coefficient of friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 in impacts."""
 
 PLIES = 300  # number of time intervals of the dissertation's sums (Zhang 2020, below eq. 4.56)
-DEPTH_ROUNDING = 1e-12  # relative rounding error by which a depth may exceed its largest value
+DEPTH_ROUNDING = (
+    1e-12  # relative amount by which rounding may raise a depth above its largest value
+)
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression.
@@ -64,21 +66,23 @@ def merchant_crater_depth(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the crater depth (m) by Merchant's circle, summed over equal time steps, called plies.
+    """Return the crater depth by Merchant's circle, summed over equal time steps, m.
 
-    This is eq. 4.50 of Zhang (2020), with the force R(t) and the width b(t) of the dissertation. By
-    default the angles of the cut follow from ``friction`` and ``impact_angle`` without rounding;
-    ``PRINTED_ANGLES`` are the rounded angles that eq. 4.52 prints. Raises ShearAngleError where the
-    friction is below tan(impact_angle), unless ``angles`` are given.
+    The dissertation calls the time steps plies. The sum is eq. 4.50 of Zhang (2020), with the force
+    R(t) and the width b(t) of the dissertation.
 
     Args:
         friction: coefficient of friction while cutting.
         impact_angle: angle at which the tip's path descends into the surface, rad.
         shear_yield_stress: shear yield stress of the workpart, Pa.
         plies: number of time steps.
-        angles: rake, friction and shear angle of the cut.
+        angles: rake, friction and shear angle of the cut; by default they follow from ``friction``
+            and ``impact_angle``. ``PRINTED_ANGLES`` are the rounded angles of eq. 4.52.
         compression_time: duration of the compression, s.
-        wire_diameter: diameter of the wire, m; the cut is at most as wide.
+        wire_diameter: diameter of the wire, the largest width of the cut, m.
+
+    Raises:
+        ShearAngleError: where the friction is below tan(impact_angle), unless ``angles`` are given.
 
     The dissertation's 300 plies, with its rounded angles (below 4.56):
 
@@ -102,12 +106,11 @@ def merchant_crater_depth_limit(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the crater depth by Merchant's circle (m) in the limit of infinitely many time steps.
+    """Return the crater depth by Merchant's circle for infinitely many time steps, m.
 
-    It is the limit of ``merchant_crater_depth``, whose arguments it takes.
-
-    With the printed angles the limit is 142.28 um. The error of a sum of n steps decreases like
-    1/sqrt(n); 100,000 steps give 142.13 um.
+    The arguments are those of ``merchant_crater_depth``, whose limit this is. The error of a sum of
+    n steps decreases like 1/sqrt(n). With the printed angles 100,000 steps give 142.13 um; the
+    limit is:
 
     >>> from bristle_sim.theory.merchant import PRINTED_ANGLES
     >>> print(f"{1e6 * merchant_crater_depth_limit(angles=PRINTED_ANGLES):.2f} um")
@@ -128,12 +131,15 @@ def friction_for_crater_depth(
     shear_yield_stress: ArrayLike = API_5L,
     plies: int = PLIES,
 ) -> Number:
-    """Return the coefficient of friction at which the crater has a given depth, m.
+    """Return the coefficient of friction at which the crater has a given depth (m).
 
-    It is the inverse of ``merchant_crater_depth``: eq. 4.50 solved for the friction mu (Zhang 2020,
-    fig. 4.16). At the shear angle eta of least work, sin(eta) cos(eta + beta - alpha) =
-    [1 - sin(arccot(mu) - gamma)]/2, with the friction angle beta, the rake angle alpha and the
-    impact angle gamma. Raises ValueError for a depth that no friction mu >= tan(gamma) gives.
+    The function is the inverse of ``merchant_crater_depth``: it solves eq. 4.50 for the friction mu
+    (Zhang 2020, fig. 4.16). The shear angle eta is that of least work. The angles then enter the
+    depth by sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) - gamma)]/2, with the friction
+    angle beta, the rake angle alpha and the impact angle gamma.
+
+    Raises:
+        ValueError: for a depth that no friction mu >= tan(gamma) gives.
 
     >>> print(f"{friction_for_crater_depth(merchant_crater_depth(0.5)):.6f}")
     0.500000
@@ -165,14 +171,20 @@ def constant_for_crater_depth(
     compression_time: float = COMPRESSION_TIME,
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> Number:
-    """Return the shear-angle constant C (rad) at which the crater has a given depth (m).
+    """Return the constant C of the shear angle (rad) at which the crater has a given depth (m).
 
-    C = 2 eta + x (4.45) fixes the shear angle eta; x = beta - alpha = arccot(mu) - gamma is the
-    angle between the resultant force and the cutting velocity. The angles enter the depth by
-    sin(eta) cos(eta + x) = [sin(C) - sin(x)]/2. With the sum of dR/b, the increases of the force R
-    over the width b of the cut, eq. 4.50 gives sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of
-    dR/b). The shear plane emerges from the surface, eta >= gamma (4.35), where C >= arccot(mu) +
-    gamma. Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
+    The shear angle eta follows from C = 2 eta + x (4.45). Here x = beta - alpha = arccot(mu) -
+    gamma is the angle between the resultant force and the cutting velocity. The angles enter the
+    depth by sin(eta) cos(eta + x) = [sin(C) - sin(x)]/2. So eq. 4.50 gives
+
+        sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum dR/b),
+
+    where dR is the increase of the force in a time step, b the width of the cut and tau_s the shear
+    yield stress. The shear plane emerges from the surface (eta >= gamma, 4.35) only if C >=
+    arccot(mu) + gamma.
+
+    Raises:
+        ValueError: for a depth that no C within 0 < C <= pi/2 gives.
 
     The shear angle of least work has C = 90 deg:
 
@@ -198,19 +210,19 @@ def _depth_ratio(
     shear_yield_stress: ArrayLike,
     angles: CuttingAngles | None,
 ) -> Number:
-    """Return the crater depth over the sum of dR/b, 1/Pa: the force increases over the cut's width.
+    """Return the crater depth divided by the sum of dR/b, 1/Pa.
 
-    The factor cos(beta - alpha) of the cutting force cancels against the same factor in the
-    denominator of (4.50).
+    dR is the increase of the resultant force in a time step, b the width of the cut. In (4.50) the
+    factor cos(beta - alpha) of the cutting force cancels the one in the denominator.
     """
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
 
 
 def _ply_sum(plies: int, compression_time: float, wire_diameter: float) -> float:
-    """Return the sum over equal time steps of the force's increase over the width of the cut, N/m.
+    """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i) over equal time steps, N/m.
 
-    It is the sum of [R(t_i) - R(t_{i-1})]/b(t_i).
+    R is the resultant force, b the width of the cut.
     """
     time = np.linspace(0.0, compression_time, plies + 1)
     return float(np.sum(np.diff(BRISTLE(time)) / CuttingWidth(0.5 * wire_diameter)(time[1:])))
@@ -222,10 +234,11 @@ def energy_crater_depth(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the crater depth from energy as a sum of quotients, m; it grows with the plies.
+    """Return the crater depth from energy, by a sum of quotients that grows with ``plies``, m.
 
-    It is cos(gamma) sum_i dE_i/R(t_i) (Zhang 2020, eqs. 4.62-4.65): in each of the equal time steps
-    (``plies``) the kinetic energy lost over the force at its end. gamma is the impact angle, rad.
+    It is cos(gamma) sum_i (dE_i/R_i) (Zhang 2020, eqs. 4.62-4.65). dE_i is the kinetic energy lost
+    in the time step i of ``plies`` equal steps, R_i the force at its end, gamma the impact angle
+    (rad).
 
     >>> print(f"{1e3 * energy_crater_depth(300):.2f} mm")  # 75.8 um are printed
     9.65 mm
@@ -240,11 +253,11 @@ def energy_crater_depth_ratio(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the crater depth from energy as a ratio of two sums, m; it falls like 1/plies.
+    """Return the crater depth from energy, by a ratio of two sums that falls like 1/``plies``, m.
 
-    It is cos(gamma) sum_i dE_i / sum_i R(t_i) (Zhang 2020, eq. 4.66 as printed): the kinetic energy
-    lost in each of the equal time steps (``plies``) over the force at the end of each step. The sum
-    of the energies converges while the sum of the forces grows with their number.
+    It is cos(gamma) (sum_i dE_i)/(sum_i R_i), as eq. 4.66 of Zhang (2020) is printed, with the
+    symbols of ``energy_crater_depth``. The sum of the energies converges, while the sum of the
+    forces is proportional to their number.
 
     With 5 plies it is the printed depth:
 
@@ -256,18 +269,19 @@ def energy_crater_depth_ratio(
 
 
 def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
-    """Return the kinetic energy lost in each of the equal time steps (J) and the force at its end.
+    """Return the kinetic energy lost in each of equal time steps, and the force at its end.
 
-    The force is in N.
+    The energies are in J, the forces in N.
     """
     time = np.linspace(0.0, compression_time, int(plies) + 1)
     return -np.diff(kinetic_energy(time)), np.asarray(BRISTLE(time[1:]))
 
 
 def work_along_path() -> float:
-    """Return an upper bound of the work of the force along the dissertation's motion, J.
+    """Return an upper bound of the work of the contact force in the dissertation's motion, J.
 
-    It is the integral of R v_C, the force times the speed of the tip, over the compression.
+    It is the integral of R v_C over the compression. R is the resultant force, which is not
+    parallel to the tip's path, and v_C is the speed of the tip.
     """
     time = 0.5 * COMPRESSION_TIME * (NODES + 1.0)
     return float(

@@ -28,14 +28,18 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE, TipFace
 
-ROUNDING = 1e-9  # fraction of the wire's radius by which rounding may put a point beside the wire
+# Distance by which rounding may put a point beside the wire, as a fraction of the wire's radius.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class Paraboloid:
-    """A crater whose sections along and across the slide are parabolas.
+    """A crater whose sections along and across the tip's slide are parabolas.
 
-    Depth, length and width of the crater are in m; the length is along the slide.
+    Attributes:
+        depth: depth of the crater, m.
+        length: length of its outline along the slide, m.
+        width: width of its outline across the slide, m.
 
     >>> crater = Paraboloid(130e-6, 325e-6, 651e-6)
     >>> print(f"{1e6 * crater.area():.3f} mm^2, {1e9 * crater.volume():.5f} mm^3")
@@ -48,30 +52,33 @@ class Paraboloid:
 
     @property
     def lowest(self) -> float:
-        """Return the coordinate x of the lowest point, m: the middle of the crater."""
+        """Return the coordinate x of the lowest point, m. It is 0, the middle of the crater."""
         return 0.0
 
     def shape(self, x: Array, y: Array) -> Array:
-        """Return the height above the lowest point (m) on the grid of all x and y, shape (y, x)."""
+        """Return the height of the crater's surface above its lowest point, m, shape (y, x).
+
+        The grid consists of all pairs of the coordinates ``x`` along and ``y`` across the slide, m.
+        """
         return 4.0 * self.depth * np.add.outer((y / self.width) ** 2, (x / self.length) ** 2)
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return the extent of the crater up to a height above its lowest point, all in m.
+        """Return how far the crater extends at a height above its lowest point, all in m.
 
         Returns:
-            The least x, the largest x and the largest y at which the surface is not higher.
+            The least x, the largest x and the largest y of the region below this height.
         """
         part = 0.5 * math.sqrt(height / self.depth)
         return -part * self.length, part * self.length, part * self.width
 
     def area(self) -> float:
-        """Return the area of the crater's outline on a plane surface, an ellipse, m^2."""
+        """Return the area of the crater's elliptic outline on a plane surface, m^2."""
         return math.pi / 4.0 * self.length * self.width
 
     def volume(self, depth: ArrayLike | None = None) -> Number:
         """Return the volume of the crater below the plane surface, m^3.
 
-        With ``depth`` (m), it is the volume of the crater's lowest part of this depth.
+        If ``depth`` (m) is given, only the lowest layer of this thickness counts.
         """
         ratio = 1.0 if depth is None else np.asarray(depth) / self.depth
         return 0.5 * self.area() * self.depth * ratio**2
@@ -79,12 +86,14 @@ class Paraboloid:
 
 @dataclass(frozen=True, slots=True)
 class SweptTip:
-    """The crater that the tip's elliptic face sweeps on a straight descending path.
+    """The crater that the elliptic face of the tip sweeps on a straight descending path.
 
-    ``depth`` is the depth of the crater, m. ``impact_angle`` is the angle of the path to the
-    surface, rad. ``face`` is the cutting face of the tip.
+    Attributes:
+        depth: depth of the crater, m.
+        impact_angle: angle gamma of the path to the surface, rad.
+        face: cutting face of the tip.
 
-    The printed depth of 130 um at 23.4 deg makes the printed width (Zhang 2020, fig. 4.6):
+    At the printed depth of 130 um and 23.4 deg the width is the printed one (Zhang 2020, fig. 4.6):
 
     >>> print(f"{1e6 * SweptTip(130e-6).width:.0f} um")
     651 um
@@ -96,7 +105,7 @@ class SweptTip:
 
     @property
     def stretch(self) -> float:
-        """Return the length of the crater over its depth, cot(gamma) + cot(phi).
+        """Return the ratio of the crater's length to its depth, cot(gamma) + cot(phi).
 
         gamma is the impact angle, phi the angle of the tip's face to the surface.
         """
@@ -117,13 +126,14 @@ class SweptTip:
 
     @property
     def lowest(self) -> float:
-        """Return the coordinate x of the lowest point, m: the tip's last position."""
+        """Return the coordinate x of the lowest point, m. It is the tip's last position."""
         return 0.5 * self.length - self.depth / math.tan(self.face.face_angle)
 
     def shape(self, x: Array, y: Array) -> Array:
-        """Return the height above the lowest point, m, on the grid of all x and y, m, shape (y, x).
+        """Return the height of the crater's surface above its lowest point, m, shape (y, x).
 
-        It is infinite beside the wire.
+        The grid consists of all pairs of the coordinates ``x`` along and ``y`` across the slide, m.
+        The height is infinite farther from the middle than the wire's radius.
         """
         sine = 2.0 * np.abs(y) / self.face.short_axis
         edge = self.face.full_depth * (1.0 - np.sqrt(np.maximum(1.0 - sine**2, 0.0)))
@@ -134,10 +144,10 @@ class SweptTip:
         return np.maximum(floor, ahead * math.tan(self.face.face_angle))
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return the extent of the crater up to a height above its lowest point, all in m.
+        """Return how far the crater extends at a height above its lowest point, all in m.
 
         Returns:
-            The least x, the largest x and the largest y at which the surface is not higher.
+            The least x, the largest x and the largest y of the region below this height.
         """
         start = self.lowest - height / math.tan(self.impact_angle)
         return start, start + height * self.stretch, 0.5 * float(self.face.width(height))
@@ -146,8 +156,8 @@ class SweptTip:
         """Return the area of the crater's outline on a plane surface, m^2.
 
         It is (cot(gamma) + cot(phi)) times the integral of depth - z_e(y) over y. gamma is the
-        impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's
-        edge.
+        impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's edge
+        above its lowest point.
         """
         last, sine, above = self._edge(self.depth)
         section = 2.0 * above * sine + self.face.full_depth * (last + sine * np.cos(last))
@@ -156,9 +166,9 @@ class SweptTip:
     def volume(self, depth: ArrayLike | None = None) -> Number:
         """Return the volume of the crater below the plane surface, m^3.
 
-        It is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y. gamma is
-        the impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's
-        edge. With ``depth`` (m), it is the volume of the crater's lowest part of this depth.
+        It is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y, with the
+        symbols of ``area``. If ``depth`` (m) is given, only the lowest layer of this thickness
+        counts.
         """
         last, sine, above = self._edge(self.depth if depth is None else depth)
         full = self.face.full_depth
@@ -167,13 +177,13 @@ class SweptTip:
         return 0.25 * self.face.short_axis * (squares + cubes) * self.stretch
 
     def _edge(self, depth: ArrayLike) -> tuple[Number, Number, Number]:
-        """Return where the edge of the elliptic face meets the surface at a depth.
+        """Return where the edge of the elliptic face meets the surface, for a depth of the tip (m).
 
-        With the wire's diameter d and the depth D of half the ellipse, the edge at the angle theta
-        is at y = (d/2) sin(theta) and z_e = D (1 - cos(theta)).
+        The angle theta along the edge gives y = (d/2) sin(theta) and z_e = D (1 - cos(theta)). d is
+        the wire's diameter; D is the depth of half the ellipse, ``face.full_depth``.
 
         Returns:
-            The angle theta at the surface (rad), its sine, and the depth less D (m).
+            The angle theta at the surface (rad), its sine, and the depth minus D (m).
         """
         full = self.face.full_depth
         below = np.asarray(depth, dtype=float)

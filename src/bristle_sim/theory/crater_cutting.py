@@ -39,29 +39,29 @@ from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
 from bristle_sim.theory.numbers import require
 
 NODES, WEIGHTS = np.array(np.polynomial.legendre.leggauss(20))[:, 10:]
-"""Positive nodes and their weights of a Gauss-Legendre rule on (-1, 1), for the volume swept up to
+"""Positive nodes of a Gauss-Legendre rule on (-1, 1) and their weights, for the volume swept up to
 the depth at which the cut is as wide as the wire.
 
-The integrand is an even function of the substituted path and smooth within 1.4, so that the half
-rule errs by 1e-15."""
+The integrand is an even function of the substituted path u and smooth for |u| < 1.4, so that half
+of the rule suffices, with an error of 1e-15."""
 
-NEWTON_STEPS = 60  # largest number of Newton steps; about ten suffice from the start values here
+NEWTON_STEPS = 60  # largest number of Newton steps; about ten suffice from these start values
 
 
 @dataclass(frozen=True, slots=True)
 class ContactCrater:
-    """Compression of a contact, from first touch to deepest penetration, and the crater it cuts.
+    """The compression of a contact, up to the deepest penetration, and the crater it cuts.
 
     Attributes:
         compression_time: time from first touch to deepest penetration, s.
-        peak_cutting_force: largest force along the path, N.
+        peak_cutting_force: largest force along the tip's path, N.
         path: length of the tip's path during compression, m.
         penetration: deepest penetration, m.
         depth_from_force: crater depth that follows from the largest force, m.
         depth_from_energy: crater depth that follows from the work, m.
         shear_plane_emerges: whether the shear plane of the chip emerges from the surface. If not,
-            Merchant's circle for a surface parallel to the path does not hold, and the depths are
-            formal.
+            Merchant's circle for a surface parallel to the path does not apply, and the two depths
+            have no physical meaning.
     """
 
     compression_time: float
@@ -76,12 +76,14 @@ class ContactCrater:
 def swept_volume(
     path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace = PRINTED_FACE
 ) -> Number:
-    """Return the volume (m^3) that the tip's face sweeps below the surface on a path of length S.
+    """Return the volume that the tip's face sweeps below the surface, m^3.
 
-    For a path S, m, that descends at the impact angle gamma, rad, it is V(S) = integral from 0 to S
-    of b(s sin(gamma)) s tan(gamma) ds. b is the width of the cut at a depth. Up to the depth at
-    which the cut is as wide as the wire, the substitution s = S u^2 makes the integrand smooth;
-    beyond it the width is constant.
+    On a path of length S (m) that descends at the impact angle gamma (rad) the volume is
+
+        V(S) = integral from 0 to S of b(s sin(gamma)) s tan(gamma) ds.
+
+    b is the width of the cut at a depth. It is constant where the cut is as wide as the wire. Above
+    that depth the substitution s = S u^2 makes the integrand smooth.
     """
     gamma = np.asarray(impact_angle)
     full = face.full_depth / np.sin(gamma)
@@ -98,10 +100,10 @@ def depth_from_energy(
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace = PRINTED_FACE,
 ) -> Number:
-    """Return the crater depth (m) at which cutting the crater takes a given energy.
+    """Return the crater depth at which cutting the crater takes a given energy, m.
 
-    The depth is S sin(gamma) for the length S of the path that satisfies u V(S) = W, with V of
-    ``swept_volume``.
+    The depth is S sin(gamma), where the length S of the path satisfies u V(S) = W. V is the volume
+    of ``swept_volume``.
 
     Args:
         energy: work W that the tip does on the workpart along its path, J.
@@ -109,7 +111,7 @@ def depth_from_energy(
         impact_angle: angle gamma of the path to the surface, rad.
         face: cutting face of the tip.
 
-    The energy of a swept volume gives the depth of its path:
+    The energy that cuts the volume of a given path gives the depth of that path:
 
     >>> path, angle = 1e-4, math.radians(30.0)
     >>> print(f"{depth_from_energy(1e9 * swept_volume(path, angle), 1e9, angle) / path:.6f}")  # sin(30 deg)
@@ -133,9 +135,9 @@ def depth_from_force(
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace = PRINTED_FACE,
 ) -> Number:
-    """Return the crater depth (m) at which the chip resists with a given force.
+    """Return the crater depth at which the chip resists with a given force, m.
 
-    It solves u b(depth) depth/cos(gamma) = F_c, with the width b of the cut. ``cutting_force`` is
+    The depth z solves u b(z) z/cos(gamma) = F_c, with the width b of the cut. ``cutting_force`` is
     the force F_c along the path, N. The specific cutting energy u, the impact angle gamma and the
     face are those of ``depth_from_energy``.
 
@@ -151,7 +153,10 @@ def depth_from_force(
     fraction = np.minimum(wide / face.full_depth, 1.0)
 
     def excess(root: Number) -> tuple[Number, Number]:
-        """Return the scaled area of the cut at a depth less the given area, and its derivative."""
+        """Return the dimensionless area of the cut minus the required one, and its derivative.
+
+        The argument is the square root of the depth divided by ``face.full_depth``.
+        """
         # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y =
         # 1.22.
         rest = np.sqrt(2.0 - root**2)
@@ -162,10 +167,10 @@ def depth_from_force(
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
-    """Return the root of a rising function by Newton's method.
+    """Return the root of an increasing function by Newton's method.
 
-    ``excess`` returns the function and its derivative. The start must be just below the root; where
-    the root is 0 the start must be 0.
+    ``excess`` returns the function and its derivative. ``start`` must be just below the root, and 0
+    if the root is 0.
     """
     root = np.asarray(start, dtype=float)
     step = np.array(math.inf)
@@ -197,12 +202,12 @@ def crater_depth_from_contact(
     surface: Surface = "parallel",
     wire_diameter: float = PRINTED_FACE.short_axis,
 ) -> ContactCrater:
-    """Return the crater that a contact resolved in time cuts up to its deepest penetration.
+    """Return the crater that a contact cuts up to its deepest penetration, from its force history.
 
-    Its depth is given twice, from the largest force and from the work.
+    The depth is computed in two ways, from the largest force and from the work.
 
     Args:
-        time: times (s), shape (n,) with n >= 2, as all columns below.
+        time: times (s), shape (n,) with n >= 2. The next five arguments have the same shape.
         normal_force: normal force on the tip, N.
         tangential_force: tangential force on the tip, N.
         penetration: penetration (m), positive inside the workpart.
@@ -211,9 +216,9 @@ def crater_depth_from_contact(
         impact_angle: angle of the tip's path to the surface, rad.
         shear_yield_stress: shear yield stress of the workpart, Pa.
         friction: coefficient of friction while cutting; by default the ratio of tangential to
-            normal force where the force along the path is largest.
-        surface: surface relative to the path, where the shear plane ends: ``parallel`` or
-            ``inclined``.
+            normal force at the time at which the force along the path is largest.
+        surface: direction of the surface at which the shear plane ends, relative to the path:
+            ``parallel`` or ``inclined``.
         wire_diameter: width of the tip's face, m.
 
     Raises:

@@ -18,29 +18,31 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import Bristle, Tool
 
-COMPRESSION_TIME = 5e-5  # t_c, read off high-speed camera frames, s (Zhang 2020, eq. 3.20)
-IMPACT_ANGLE = math.radians(23.4)  # rad (Zhang 2020, eq. 4.51)
+COMPRESSION_TIME = 5e-5  # t_c in s, read off high-speed camera frames (Zhang 2020, eq. 3.20)
+IMPACT_ANGLE = math.radians(
+    23.4
+)  # angle of the tip's path to the surface, rad (Zhang 2020, eq. 4.51)
 
 
 @dataclass(frozen=True, slots=True)
 class CraterKinematics:
     """Motion of the bristle during compression (Zhang 2020, eqs. 4.4-4.10).
 
-    The defaults are the values printed in the dissertation. Below q = exp(-decay t), with the time
-    t since first touch, s.
+    All quantities decay exponentially, with q = exp(-decay t) and the time t since first touch (s).
+    The defaults are the values printed in the dissertation.
 
     Attributes:
-        decay: decay rate lambda of the motion, 1/s.
-        excursion: final length of the tip's path, m; its length is excursion (1 - q).
-        tip_speed: initial speed of the tip along its path, m/s; its speed is tip_speed q.
-        rate: initial rate of the bristle less its rate with the tip at rest, rad/s; its rate is
-            rate q - final_rate.
-        final_rate: rate of the bristle with the tip at rest, of opposite sign, rad/s.
-        centre_speed: initial speed of the bristle's centre less its speed with the tip at rest,
-            m/s; its speed is centre_speed q + final_centre_speed.
-        final_centre_speed: speed of the bristle's centre with the tip at rest, m/s.
-        depth: final depth of the tip below the surface, m; its depth is depth (1 - q).
-        face_depth: length on the tip's face that lies below the surface at the final depth, m.
+        decay: decay rate lambda, 1/s.
+        excursion: final length of the tip's path, m. At time t the length is excursion (1 - q).
+        tip_speed: initial speed of the tip, m/s. At time t the speed is tip_speed q.
+        rate: coefficient of the bristle's angular velocity, which is rate q - final_rate, rad/s.
+        final_rate: negative of the angular velocity that the bristle has with its tip at rest,
+            rad/s.
+        centre_speed: coefficient of the speed of the bristle's centre of mass, which is
+            centre_speed q + final_centre_speed, m/s.
+        final_centre_speed: speed of the centre of mass with the tip at rest, m/s.
+        depth: final depth of the tip below the surface, m. At time t the depth is depth (1 - q).
+        face_depth: length of the tip's face below the surface at the final depth, m.
     """
 
     decay: float = 92400.0
@@ -55,13 +57,13 @@ class CraterKinematics:
 
     @classmethod
     def of_tool(cls, tool: Tool, bristle_rate: float) -> CraterKinematics:
-        """Return the motion of a radial bristle that strikes at a given angular velocity, rad/s.
+        """Return the motion of a radial bristle from its angular velocity at the strike (rad/s).
 
         The constants are computed without the rounding of the printed ones. The tip arrives with
         the speed v = r_h omega + L bristle_rate (2.24), with the hub's radius r_h and speed omega
-        and the wire's length L. The decay rate is v over the length of the path (4.3). When the tip
-        has come to rest, the bristle has the rate -r_h omega/L (2.36), and its centre has half the
-        speed of the hub's rim.
+        and the wire's length L. The decay rate is v divided by the length of the path (4.3). When
+        the tip has come to rest, the bristle has the angular velocity -r_h omega/L (2.36), and its
+        centre of mass has half the speed of the hub's rim.
         """
         rim = tool.hub.speed * tool.hub.radius
         length = tool.bristle.length
@@ -102,12 +104,16 @@ class CraterKinematics:
 
 @dataclass(frozen=True, slots=True)
 class TipFace:
-    """The cutting face: the ellipse in which a plane cuts the wire (Zhang 2020, eqs. 4.9-4.13).
+    """The cutting face of the tip: the ellipse in which a plane cuts the wire.
 
-    ``short_axis`` of the ellipse is the wire's diameter, m. ``tilt`` is the angle between the
-    face's normal and the wire's axis, rad; 39.5 deg were measured (fig. 4.5). ``face_angle`` is the
-    angle of the face to the surface, rad. (4.10) has it at 28 deg, whereas the rake angle, the
-    impact angle plus 11.5 deg (4.36), would give 55.1 deg; both are kept as printed.
+    The defaults are printed values (Zhang 2020, eqs. 4.9-4.13).
+
+    Attributes:
+        short_axis: short axis of the ellipse, which is the wire's diameter, m.
+        tilt: angle between the face's normal and the wire's axis, rad; measured as 39.5 deg (fig.
+            4.5).
+        face_angle: angle of the face to the surface, rad. Eq. 4.10 takes 28 deg. The rake angle,
+            the impact angle plus 11.5 deg (4.36), would give 55.1 deg.
     """
 
     short_axis: float = 7.1e-4
@@ -121,16 +127,16 @@ class TipFace:
 
     @property
     def full_depth(self) -> float:
-        """Return the depth below the surface at which the cut is as wide as the wire, m.
+        """Return the depth below the surface from which the cut is as wide as the wire, m.
 
-        Half of the ellipse is then below the surface: the depth is (long_axis/2) sin(face_angle).
+        Half of the ellipse is then below the surface. The depth is (long_axis/2) sin(face_angle).
         """
         return 0.5 * self.long_axis * math.sin(self.face_angle)
 
     def width(self, depth: ArrayLike) -> Number:
-        """Return the width of the cut at a depth below the surface, both in m (4.9, 4.14).
+        """Return the width of the cut (m) at a depth of the tip (m) below the surface (4.9, 4.14).
 
-        At depths beyond ``full_depth`` the width is the wire's diameter.
+        From ``full_depth`` on the width is the wire's diameter.
         """
         fraction = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
         return self.short_axis * np.sqrt(fraction * (2.0 - fraction))
@@ -140,13 +146,14 @@ class TipFace:
 class CuttingWidth:
     """Width of the cut as a function of the time since first touch (Zhang 2020, eq. 4.16).
 
-    It is b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, with t in s. The defaults are the
-    values printed in the dissertation.
+    The width is b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, with t in s. The defaults are
+    the values printed in the dissertation.
 
     Attributes:
         half_width: radius h of the wire, m.
-        swing: length s on the tip's face that lies below the surface at the final depth, times the
-            ratio of the ellipse's short to its long axis, m; 1.39e-4 m is printed for h - s.
+        swing: length s, m. It is the length of the face below the surface at the final depth, times
+            the ratio of the ellipse's short to its long axis. The dissertation prints h - s =
+            1.39e-4 m.
         decay: decay rate of the motion, 1/s.
     """
 
@@ -156,9 +163,9 @@ class CuttingWidth:
 
     @classmethod
     def of_face(cls, face: TipFace, kinematics: CraterKinematics) -> CuttingWidth:
-        """Return the width of the cut by a given face in a given motion (eqs. 4.13-4.15).
+        """Return the width of the cut for a tip's face and a motion (eqs. 4.13-4.15).
 
-        Its constants are computed without the rounding of the printed ones.
+        The constants are computed without the rounding of the printed ones.
         """
         swing = kinematics.face_depth * face.short_axis / face.long_axis
         return cls(0.5 * face.short_axis, swing, kinematics.decay)
@@ -166,8 +173,8 @@ class CuttingWidth:
     def __call__(self, time: ArrayLike) -> Number:
         """Return the width of the cut (m) at times in s, of any shape.
 
-        The difference of squares in ``CuttingWidth`` is factored, which avoids cancellation near
-        t = 0.
+        The formula of ``CuttingWidth`` is factored as a difference of squares, which avoids
+        cancellation near t = 0.
         """
         gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
         gone = np.minimum(gone, self.half_width)  # from there on a thin wire cuts as wide as it is
@@ -177,21 +184,19 @@ class CuttingWidth:
 PRINTED_KINEMATICS = CraterKinematics()  # with the printed constants (Zhang 2020, eqs. 4.4-4.10)
 PRINTED_FACE = TipFace()  # with the printed constants (Zhang 2020, eqs. 4.9-4.13)
 PRINTED_WIDTH = CuttingWidth()  # with the printed constants (Zhang 2020, eq. 4.16)
-PRINTED_ENERGY = (
-    0.0126,
-    0.00303,
-    7.25e-4,
-)  # of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J (Zhang 2020, eq. 4.59)
+# Coefficients of e^(-2 lambda t), of e^(-lambda t) and of 1 in the kinetic energy, J (Zhang 2020,
+# eq. 4.59).
+PRINTED_ENERGY = (0.0126, 0.00303, 7.25e-4)
 
 
 def energy_coefficients(
     kinematics: CraterKinematics = PRINTED_KINEMATICS,
 ) -> tuple[float, float, float]:
-    """Return the coefficients of the bristle's kinetic energy during compression, J.
+    """Return the coefficients a, b and c of the bristle's kinetic energy during compression, J.
 
-    With the decay rate lambda the energy is E(t) = a e^(-2 lambda t) + b e^(-lambda t) + c; the
-    function returns (a, b, c). They follow from E = m v^2/2 + (m L^2/12) rate^2/2 (4.58-4.59), with
-    the speed v of the bristle's centre, its rate, its mass m and its length L.
+    With the decay rate lambda the energy is E(t) = a e^(-2 lambda t) + b e^(-lambda t) + c. The
+    coefficients follow from E = m v^2/2 + (m L^2/12) phi'^2/2 (4.58-4.59), with the speed v of the
+    bristle's centre of mass, the angular velocity phi', the mass m and the length L.
     """
     wire = Bristle()
     k = kinematics
@@ -212,8 +217,8 @@ def kinetic_energy(
 ) -> Number:
     """Return the kinetic energy of the bristle (J) at times >= 0 in s (Zhang 2020, eq. 4.59).
 
-    ``coefficients`` are those of ``energy_coefficients``, by default as printed. The motion decays
-    at the printed rate.
+    ``coefficients`` are a, b and c of ``energy_coefficients``, by default the printed ones. The
+    decay rate is the printed one.
     """
     left = np.exp(-PRINTED_KINEMATICS.decay * np.asarray(time))
     return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]
@@ -222,10 +227,11 @@ def kinetic_energy(
 def path_force(time: ArrayLike) -> Number:
     """Return the force along the tip's path that the dissertation's motion would require, N.
 
-    The hub keeps its speed, so the force at the tip has only to turn the bristle about its root.
-    The bristle's effective mass at the tip is I/L^2 = m/3, with its inertia I about the root, its
-    length L and its mass m. The speed v_C of the tip falls like e^(-lambda t), so the force is (m/3) lambda
-    v_C(t). It is largest at first touch, where the dissertation's own force (3.19) is zero.
+    The hub keeps its speed, so the force at the tip only changes the bristle's angular velocity
+    about its root. The bristle's effective mass at the tip is I/L^2 = m/3, with the inertia I about
+    the root, the length L and the mass m. The tip's speed v_C falls like e^(-lambda t), so the
+    force is (m/3) lambda v_C(t). It is largest at first touch, where the dissertation's own force
+    (3.19) is zero.
     """
     wire = Bristle()
     motion = PRINTED_KINEMATICS

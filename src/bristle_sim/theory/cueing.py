@@ -34,10 +34,10 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
-    """Return the angle to the workpart's normal at which a radial bristle first touches it, rad.
+    """Return the angle of a radial bristle to the workpart's normal at its first touch, rad.
 
-    It is the impact angle gamma, cos(gamma) = (r_h + L - Delta)/(r_h + L), with the hub's radius
-    r_h, the wire's length L and the penetration Delta, all in m.
+    This impact angle gamma satisfies cos(gamma) = (r_h + L - Delta)/(r_h + L), with the hub's
+    radius r_h, the wire's length L and the penetration Delta, all in m.
 
     If the penetration is half the radius of the tip's circle, cos(gamma) = 1/2:
 
@@ -52,10 +52,10 @@ def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Num
 
 
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """Return the distance of the tip from the hub's centre (m) at a retraction of the bristle.
+    """Return the distance of the tip from the hub's centre at a retraction of the bristle, m.
 
-    It is sqrt(r_h^2 + L^2 + 2 r_h L cos(theta_p)), with the hub's radius r_h and the wire's length
-    L in m and the retraction theta_p in rad.
+    It is sqrt(r_h^2 + L^2 + 2 r_h L cos(theta_p)), with the hub's radius r_h (m), the wire's length
+    L (m) and the retraction theta_p (rad).
 
     A hub radius of 3 m and a wire of 4 m at a right angle give:
 
@@ -66,9 +66,10 @@ def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number
 
 
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """Return the angle by which the tip lags the root as seen from the hub's centre, rad.
+    """Return the angle between the tip and the root as seen from the hub's centre, rad.
 
-    It is the angle A of Zhang (2020), fig. 2.3. Lengths in m, the retraction in rad.
+    It is the angle A of Zhang (2020), fig. 2.3, by which a retracted tip lags its root. Lengths are
+    in m, the retraction is in rad.
 
     >>> print(f"{np.degrees(tip_lag(1.0, 1.0, np.pi / 2.0)):.6f}")  # an isosceles right triangle
     45.000000
@@ -83,11 +84,14 @@ def retraction_at_bar(
     hub_radius: Number,
     length: Number,
 ) -> Number:
-    """Return the retraction at which the tip slips off the bar, rad; the inverse of ``tip_radius``.
+    """Return the retraction at which the tip slips off the bar, rad.
+
+    The tip is then nearer to the hub's centre than the bar is by ``bar_reach``. The function is the
+    inverse of ``tip_radius``.
 
     Args:
-        bar_horizontal: position of the bar along the workpart, from the hub's centre, m.
-        bar_vertical: position of the bar normal to the workpart, from the hub's centre, m.
+        bar_horizontal: coordinate of the bar along the workpart, from the hub's centre, m.
+        bar_vertical: coordinate of the bar normal to the workpart, from the hub's centre, m.
         bar_reach: distance from the bar's centre to the wire's axis, m.
         hub_radius: radius of the hub, m.
         length: length of the wire, m.
@@ -95,7 +99,8 @@ def retraction_at_bar(
     Raises:
         ValueError: if no retraction puts the tip at this distance from the hub's centre.
 
-    A bar 6 m from the hub's centre that reaches 1 m holds the tip at 5 m, as in ``tip_radius``:
+    A bar at 6 m from the hub's centre with a reach of 1 m releases the tip at 5 m, as in
+    ``tip_radius``:
 
     >>> print(f"{np.degrees(retraction_at_bar(6.0, 0.0, 1.0, 3.0, 4.0)):.6f}")
     90.000000
@@ -113,9 +118,8 @@ def retraction_at_bar(
 def natural_rate(stiffness: Number, inertia: Number) -> Number:
     """Return the natural angular frequency of the bristle on its belt, sqrt(k/I), rad/s.
 
-    The belt stiffness k is in N m/rad, the inertia I about the root in kg m^2. With the sum of belt
-    stiffness and centrifugal stiffness in place of k, it is the frequency of small oscillations on
-    a turning hub.
+    The belt stiffness k is in N m/rad, the inertia I about the root in kg m^2. On a rotating hub
+    the centrifugal stiffness must be added to k.
 
     >>> print(f"{natural_rate(9.0, 4.0):.6f}")
     1.500000
@@ -140,13 +144,14 @@ def centrifugal_stiffness(
 def stiffened_highest_speed(
     retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number
 ) -> Number:
-    """Return the highest speed of the undamped bristle relative to the hub, rad/s.
+    """Return the highest angular velocity of the undamped bristle relative to the hub, rad/s.
 
     The energy integral gives sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), with the retraction
-    theta_p at release, the belt stiffness k, the centrifugal stiffness g and the inertia I about
-    the root.
+    theta_p at release (rad), the belt stiffness k and the centrifugal stiffness g (N m/rad), and
+    the inertia I about the root (kg m^2).
 
-    Without a belt, from 90 deg, it is the speed of a pendulum, sqrt(2 g/I):
+    Without a belt, released at 90 deg, the bristle is a pendulum with the angular velocity sqrt(2
+    g/I):
 
     >>> print(f"{stiffened_highest_speed(np.pi / 2.0, 0.0, 2.0, 1.0):.6f}")
     2.000000
@@ -158,15 +163,16 @@ def stiffened_highest_speed(
 def stiffened_cue_time(
     retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number
 ) -> Number:
-    """Return the time of the undamped bristle from its release to the radial direction, s.
+    """Return the time that the undamped bristle takes from its release to the radial direction, s.
 
     The bristle is released at rest at the retraction theta_p, |theta_p| < pi. k is the belt
-    stiffness, g the centrifugal stiffness and I the inertia about the root. With alpha = theta_p
-    sin u the energy integral has no singularity at the start:
+    stiffness, g the centrifugal stiffness and I the inertia about the root. The substitution alpha
+    = theta_p sin u removes the singularity of the energy integral at the release:
 
         t_c = integral over 0 <= u <= pi/2 of sqrt(I/(k + g sinc((theta_p + alpha)/2) sinc((theta_p - alpha)/2))) du
 
-    where sinc x = sin x/x, since cos alpha - cos theta_p = 2 sin((theta_p + alpha)/2) sin((theta_p - alpha)/2).
+    where sinc x = sin x/x, since cos alpha - cos theta_p = 2 sin((theta_p + alpha)/2) sin((theta_p
+    - alpha)/2).
 
     Without centrifugal stiffness it is a quarter of the period, (pi/2) sqrt(I/k):
 
@@ -182,17 +188,16 @@ def stiffened_cue_time(
 
 
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the time from release at rest to the highest relative rate of the bristle, s.
+    """Return the time from release at rest to the highest relative angular velocity, s.
 
-    The centrifugal stiffness is neglected.
-
-    Omega is the natural rate (rad/s) and zeta the damping ratio:
+    The belt is damped, and the centrifugal stiffness is neglected. With the natural angular
+    frequency Omega (rad/s) and the damping ratio zeta the time is
 
         t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
 
-    For zeta < 1 the relative rate is proportional to e^(-zeta Omega t) sin(Omega_d t), with Omega_d
-    = Omega sqrt(1 - zeta^2). It is largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. At that
-    time a damped bristle has not yet reached the radial direction.
+    For zeta < 1 the angular velocity relative to the hub is proportional to e^(-zeta Omega t)
+    sin(Omega_d t), with Omega_d = Omega sqrt(1 - zeta^2). It is largest where tan(Omega_d t) =
+    sqrt(1 - zeta^2)/zeta. At that time a damped bristle has not yet reached the radial direction.
 
     >>> print(f"{damped_cue_time(2.0, 0.0):.6f} {damped_cue_time(2.0, 1.0):.6f}")  # (pi/2)/Omega, and 1/Omega at critical damping
     0.785398 0.500000
@@ -201,10 +206,11 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
 
 
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the highest speed of the bristle relative to the hub (rad/s) with a damped belt.
+    """Return the highest relative angular velocity of a bristle on a damped belt, rad/s.
 
-    It is theta_p Omega e^(-zeta f(zeta)), with the retraction theta_p at release (rad), the natural
-    rate Omega (rad/s), the damping ratio zeta, and f of ``damped_cue_time``.
+    It is relative to the hub, and equals theta_p Omega e^(-zeta f(zeta)), with the retraction
+    theta_p at release (rad), the natural angular frequency Omega (rad/s), the damping ratio zeta,
+    and f of ``damped_cue_time``.
 
     >>> print(f"{damped_highest_speed(0.5, 2.0, 0.0):.6f} {damped_highest_speed(0.5, 2.0, 1.0):.6f}")  # times 1/e when critical
     1.000000 0.367879
@@ -213,16 +219,25 @@ def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio
 
 
 LEAST_TURN = 1e-100
-"""Angle (rad), below which sin(x)/x is set to 1, since the quotient would overflow."""
+"""Angle x (rad) below which sin(x)/x is set to 1, since the quotient would overflow."""
 
 
 def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
-    """Return the retraction (rad) and the relative rate (rad/s) of the bristle after its release.
+    """Return the retraction and the relative angular velocity of the bristle after its release.
 
-    ``time`` is the time since the release, s; ``retraction`` is theta_p, the retraction at release,
-    rad. The centrifugal stiffness is neglected. The retraction is theta_p e^(-zeta Omega t) (cosh w
-    t + zeta Omega/w sinh w t), w = Omega sqrt(zeta^2 - 1), with the natural angular
-    frequency Omega and the damping ratio zeta.
+    The centrifugal stiffness is neglected. With the natural angular frequency Omega, the damping
+    ratio zeta, w = Omega sqrt(zeta^2 - 1) and the retraction theta_p at release the retraction is
+
+        theta_p e^(-zeta Omega t) (cosh w t + (zeta Omega/w) sinh w t).
+
+    Args:
+        tool: the tool.
+        retraction: retraction theta_p at release, rad.
+        time: time t since the release, s.
+
+    Returns:
+        The retraction (rad); and the angular velocity relative to the hub (rad/s), which is
+        positive while the retraction decreases.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     decay = tool.belt.damping_ratio * rate
@@ -238,10 +253,7 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
 
 
 def _phase(damping_ratio: Number) -> Number:
-    """Return the cue time times the natural rate: f(zeta) of ``damped_cue_time``.
-
-    At critical damping, zeta = 1, it is 1.
-    """
+    """Return f(zeta) of ``damped_cue_time``: the cue time times the natural angular frequency."""
     zeta = damping_ratio
     root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
@@ -250,21 +262,20 @@ def _phase(damping_ratio: Number) -> Number:
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """The position of the bar that cues a tool's strike, and the motion up to the strike.
+    """The position of the bar at which the bristle strikes at its highest speed, and its motion.
 
     Attributes:
         impact_angle: angle of the wire to the workpart's normal at the strike, rad.
         tip_radius: distance of the tip from the hub's centre as it slips off the bar, m.
-        tip_lag: angle by which the tip lags the root as it slips off the bar, seen from the hub's
-            centre, rad.
+        tip_lag: angle by which the tip lags the root at that time, seen from the hub's centre, rad.
         cue_time: time from the release to the highest speed, s.
         hub_turn: angle by which the hub turns in the cue time, rad.
-        highest_relative_speed: highest speed of the bristle relative to the hub, rad/s.
+        highest_relative_speed: highest angular velocity of the bristle relative to the hub, rad/s.
         bar_distance: distance of the bar from the hub's centre, m.
-        bar_direction: direction of the bar from the workpart's normal, tip_lag + hub_turn +
-            impact_angle, rad.
-        bar_horizontal: position of the bar along the workpart, m.
-        bar_vertical: position of the bar normal to the workpart, m.
+        bar_direction: angle between the workpart's normal and the line from the hub's centre to the
+            bar, tip_lag + hub_turn + impact_angle, rad.
+        bar_horizontal: coordinate of the bar along the workpart, from the hub's centre, m.
+        bar_vertical: coordinate of the bar normal to the workpart, from the hub's centre, m.
     """
 
     impact_angle: float
@@ -280,9 +291,9 @@ class Cue:
 
 
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the bar's position by the dissertation's formulas, and the motion up to the strike.
+    """Return the bar's position by the dissertation's formulas, and the bristle's motion.
 
-    The centrifugal stiffness is neglected; the damping of the belt is included. ``retraction`` is
+    The damping of the belt is included, the centrifugal stiffness is neglected. ``retraction`` is
     the retraction at release, rad.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
@@ -292,10 +303,9 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the cue of a bristle that the hub's rotation stiffens: the bar's position, and the
-    bristle's motion up to the strike.
+    """Return the bar's position with the centrifugal stiffness included, and the bristle's motion.
 
-    Belt damping is neglected; for an undamped belt the result is exact. ``retraction`` is the
+    The damping of the belt is neglected. Without damping the result is exact. ``retraction`` is the
     retraction at release, rad.
     """
     swing = (
@@ -308,25 +318,25 @@ def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def field_stiffness(tool: Tool) -> float:
-    """Return the centrifugal stiffness of a tool, N m/rad."""
+    """Return the centrifugal stiffness g of ``centrifugal_stiffness`` for a tool, N m/rad."""
     bristle = tool.bristle
     hub = tool.hub
     return float(centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
 
 
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
-    """Return the position of the bar for a bristle that is fastest a given time after its release.
+    """Return the bar's position for a bristle that is fastest at a given time after its release.
 
-    The bar stands at S (sin, cos)(A + theta_1 + gamma), along and normal to the workpart (Zhang
-    2020, eq. 2.1), with the angles of ``Cue``: tip lag A, hub turn theta_1 and impact angle gamma.
-    The distance S is the tip's distance from the hub's centre plus the radius of the bar plus half
-    the wire's diameter; the dissertation neglects this diameter.
+    The bar stands at S sin(A + theta_1 + gamma) along the workpart and S cos(A + theta_1 + gamma)
+    normal to it (Zhang 2020, eq. 2.1), with the tip lag A, the hub's rotation theta_1 in the cue
+    time and the impact angle gamma. The distance S is the tip's distance from the hub's centre plus
+    the radius of the bar plus half the wire's diameter. The dissertation neglects this diameter.
 
     Args:
         tool: the tool; it must have a bar and a workpart.
         retraction: retraction at release, rad.
         time: time from the release to the highest speed, s.
-        relative_speed: highest speed relative to the hub, rad/s.
+        relative_speed: highest angular velocity relative to the hub, rad/s.
 
     At the dissertation's operating point the retraction is 44.5 deg. The formulas of ``cue`` give:
 

@@ -30,21 +30,21 @@ from bristle_sim.theory.force_history import ForceCurve
 # Time around the contact that the fit includes, as a fraction of the duration. It is short
 # so that other contacts in the record stay outside.
 AROUND = 0.5
-# Error of the first estimates of start and end, as a fraction of the duration: a sample counts as
-# outside the contact only if it is farther from them.
+# Error of the estimated start and end of the contact, as a fraction of its duration. Only samples
+# farther from both than this count as outside the contact.
 ENDS = 0.05
-SHORTEST = 3.0  # shortest duration of a contact, in median sampling intervals
-UNKNOWNS = 4  # amplitude, decay, duration and start
-FEWEST_OUTSIDE = 4  # least number of samples outside the contact for a baseline
-# Times of the curve (3.3) without decay, as fractions of its duration: from the start to half the
-# peak force, and with a force above half the peak.
+SHORTEST = 3.0  # shortest duration of a contact, as a multiple of the median sampling interval
+UNKNOWNS = 4  # number of unknowns without a baseline: amplitude, decay, duration and start
+FEWEST_OUTSIDE = 4  # least number of samples outside the contact that determine a baseline
+# Two times of the curve (3.3) without decay, as fractions of its duration: the time from the start
+# to half the peak force, and the time during which the force is above half the peak.
 RISE = 0.2127
 HALF_WIDTH = 0.5745
 
 # Largest accepted probability that independent normal noise alone would give as good a fit.
 MOST_CHANCE = 0.01
-# Number of independent F tests, per contact duration by which the record exceeds the contact: 16
-# different starts, and several durations.
+# Number of independent F tests, for each contact duration by which the record is longer than the
+# contact: 16 different starts, and several durations.
 PLACES = 50.0
 # Largest force at both ends of a record without samples outside the contact, as a fraction of the
 # peak force.
@@ -52,25 +52,26 @@ LEVEL = 0.03
 # Longest time by which a contact may begin before the record, as a fraction of its duration.
 MISSING_START = 0.1
 NO_CONTACT = "force: no contact found in the record; there must be a force in it that rises and falls above the noise"
-SPAN = (1e-12, 1e6)  # shortest and longest record, s, so that no square of a time or rate overflows
+# Shortest and longest duration of a record (s), so that no square of a time or rate overflows.
+SPAN = (1e-12, 1e6)
 
 
 @dataclass(frozen=True, slots=True)
 class ForceFit:
-    """A force history fitted to n points with p parameters.
+    """The fit of a force history with p parameters to n measured points.
 
     Attributes:
         curve: the fitted curve; its time 0 is the start of the contact.
         names: names of the parameters: ``amplitude 1``, ``decay 1``, ``duration``, ``start``, and
-            ``baseline`` where it was fitted.
+            ``baseline`` if the fit has one.
         values: values of the parameters, shape (p,): the amplitude (dimensionless), the decay rate
-            in 1/s, duration and start in s, the baseline in N.
-        covariance: covariance of the parameters, shape (p, p), for independent errors of the same
-            standard deviation in all points.
+            (1/s), duration and start (s), and the baseline (N).
+        covariance: covariance of the parameters, shape (p, p). The errors of the points are taken
+            to be independent and of equal standard deviation.
         residuals: fitted minus measured force (N), shape (n,).
-        noise: standard deviation of a point (N), estimated from the residuals.
-        explained: sum of squares of the force, about its mean, that the fit explains, N^2.
-        start: start of the contact on the clock of the record, s.
+        noise: standard deviation of the error of a point (N), estimated from the residuals.
+        explained: sum of squares of the force about its mean, minus that of the residuals, N^2.
+        start: time of the record at which the contact starts, s.
         baseline: force that the record shows outside the contact, N.
     """
 
@@ -86,7 +87,7 @@ class ForceFit:
 
     @property
     def standard_errors(self) -> Array:
-        """Return the standard errors of the fitted parameters, in their units, shape (p,)."""
+        """Return the standard errors of the parameters, in the units of ``values``, shape (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
@@ -96,10 +97,13 @@ class ForceFit:
 
 
 class _Pulse(NamedTuple):
-    """A pulse of the record, the first estimate of a fit.
+    """A pulse in a record, from which a fit starts.
 
-    Start and duration of the contact are in s. ``level`` is the force outside the pulse, N;
-    ``height`` is the peak above this level, N.
+    Attributes:
+        start: estimated start of the contact, s.
+        duration: estimated duration of the contact, s.
+        height: largest force, measured from ``level``, N.
+        level: force outside the pulse, N.
     """
 
     start: float
@@ -109,13 +113,15 @@ class _Pulse(NamedTuple):
 
 
 def fit_decay(time: ArrayLike, force: ArrayLike, duration: float, peak_force: float) -> ForceCurve:
-    """Fit amplitude and decay of a contact of known duration to measured points (Zhang 2020, eq. 3.2).
+    """Fit amplitude and decay rate to a measured contact of known duration (Zhang 2020, eq. 3.2).
 
     Args:
         time: times since first touch (s), shape (n,).
         force: forces (N), shape (n,).
         duration: duration t_f of the contact, s.
-        peak_force: force F* to which the amplitude refers, N.
+        peak_force: force F* that scales the amplitude, N.
+
+    The fit to points of a curve of amplitude 0.7 and decay -150 1/s gives these values back:
 
     >>> curve = ForceCurve.of_impact(0.7, -150.0, 100.0, 5e-3)
     >>> time = np.linspace(0.0, 5e-3, 21)
@@ -135,18 +141,19 @@ def fit_decay(time: ArrayLike, force: ArrayLike, duration: float, peak_force: fl
 
 
 def fit_force_history(time: ArrayLike, force: ArrayLike) -> ForceFit:
-    """Fit the force history of an impact to a measured record by least squares.
+    """Fit the force history of one contact to a measured record by least squares.
 
-    The curve is ``ForceCurve``, eq. 3.3 of Zhang (2020) with one exponential; the fit is (3.2).
+    The fitted curve is ``ForceCurve``, eq. 3.3 of Zhang (2020) with one exponential. The
+    least-squares criterion is eq. 3.2.
 
     Args:
-        time: increasing times on any clock (s), shape (n,). The record is a contact or its
-            beginning, with or without samples before and after it.
+        time: increasing times with any origin (s), shape (n,). The record must contain the start
+            and the peak of the contact. It may contain samples before and after the contact.
         force: forces (N), shape (n,), positive where the tip is pushed.
 
     Raises:
-        ValueError: if the points are not a force history; if they are not more than the unknowns;
-            if no contact is found in the record; or if the contact began before the record.
+        ValueError: if the arrays are no force history; if there are no more points than unknowns;
+            if there is no contact in the record; or if the contact began before the record.
     """
     time = np.asarray(time, dtype=float)
     force = np.asarray(force, dtype=float)
@@ -161,10 +168,10 @@ def fit_force_history(time: ArrayLike, force: ArrayLike) -> ForceFit:
 
 
 def _pulses(time: Array, force: Array) -> Iterator[_Pulse]:
-    """Yield the first estimates from which the fits start, without repetition.
+    """Yield different estimates of the contact, from which the fits start.
 
-    An estimate is the highest pulse of a moving average. Its height is measured above the median of
-    the record, or above the mean of its two ends.
+    Each estimate is the highest pulse of a moving average of the record. Its height is measured
+    once from the median of the record and once from the mean of its first and last value.
     """
     seen = set[tuple[int, int]]()
     interval = float(np.median(np.diff(time)))
@@ -191,7 +198,7 @@ def _pulses(time: Array, force: Array) -> Iterator[_Pulse]:
 
 
 def _fitted(time: Array, force: Array, pulse: _Pulse) -> ForceFit | None:
-    """Return the least-squares fit that starts from a pulse; None if the fit fails."""
+    """Return the least-squares fit that starts from a pulse, or None if the fit fails."""
     from scipy.optimize import OptimizeWarning, curve_fit
 
     length = pulse.duration
@@ -218,7 +225,7 @@ def _fitted(time: Array, force: Array, pulse: _Pulse) -> ForceFit | None:
     units, first = np.transpose([*guesses.values()])
 
     def model(unknowns: Array) -> tuple[ForceCurve, float, float]:
-        """Return the curve, the start and the baseline for scaled values of the unknowns."""
+        """Return the curve, its start (s) and the baseline (N) for scaled unknowns."""
         amplitude, decay, span, begins, *level = (units * unknowns).tolist()
         curve = ForceCurve.of_impact(amplitude, decay, scale, abs(span))
         return curve, begins, level[0] if based else 0.0
@@ -263,9 +270,9 @@ def _fitted(time: Array, force: Array, pulse: _Pulse) -> ForceFit | None:
 
 
 def _check_found(fit: ForceFit, time: Array, force: Array) -> None:
-    """Raise ValueError if noise could give the fit or if the record misses parts of the contact.
+    """Raise ValueError if noise could explain the fit or if the record misses part of the contact.
 
-    An F test decides whether noise could give the fit. The record must include the start and the
+    An F test decides whether noise could explain the fit. The record must include the start and the
     peak of the contact.
     """
     from scipy.special import fdtrc

@@ -25,21 +25,28 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
 
-LEAD_RATIO = 0.1  # lead t_o over the duration t_f of the contact (Zhang 2020, below eq. 3.3)
+LEAD_RATIO = 0.1  # ratio of the lead t_o to the contact's duration t_f (Zhang 2020, below eq. 3.3)
 
 
 @dataclass(frozen=True, slots=True)
 class ForceCurve:
-    """Force history of an impact, an exponential times a shifted cosine (Zhang 2020, eq. 3.3).
+    """Force history of an impact: an exponential times a shifted cosine (Zhang 2020, eq. 3.3).
 
-    It is F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N, with the
-    time t since first touch. The amplitude is dimensionless, the decay in 1/s, offset and swing in
-    N, lead and period in s, with lead < period/2. F is 0 at first touch if offset = swing cos(2 pi
-    lead/period), as in (3.3).
+    The force is F(t) = amplitude e^(-decay t) [offset - swing cos(2 pi (t + lead)/period)], N, with
+    the time t since first touch. F is 0 at first touch if offset = swing cos(2 pi lead/period), as
+    in (3.3).
 
-    The argument ``peak_force`` of ``of_impact`` is nominal. Without decay the curve is highest in
-    the middle, and lower than this by the factor (1 + cos(pi/6))/2 = 0.933013; pi/6 is the phase of
-    the lead:
+    Attributes:
+        amplitude: dimensionless amplitude.
+        decay: decay rate, 1/s.
+        offset: constant term, N.
+        swing: amplitude of the cosine, N.
+        lead: time by which the cosine is shifted, less than period/2, s.
+        period: period of the cosine, s.
+
+    The argument ``peak_force`` of ``of_impact`` is a scale, not the largest force. Without decay
+    the largest force is (1 + cos(pi/6))/2 = 0.933013 times the scale, in the middle of the contact.
+    pi/6 is the phase of the lead:
 
     >>> curve = ForceCurve.of_impact(1.0, 0.0, peak_force=60.0, duration=1e-4)
     >>> print(f"{curve.peak_time():.3e} s, {curve.peak_force():.4f} N")
@@ -57,12 +64,13 @@ class ForceCurve:
     def of_impact(
         cls, amplitude: float, decay: float, peak_force: float, duration: float
     ) -> ForceCurve:
-        """Return the curve (3.3) of an impact; the force is 0 at both ends of the contact.
+        """Return the curve (3.3), whose force is 0 at both ends of the contact.
 
         Args:
             amplitude: dimensionless amplitude c.
             decay: decay rate lambda, 1/s.
-            peak_force: force F* that scales the curve, N; the peak of the curve differs from it.
+            peak_force: force F* that scales the curve, N. The largest force of the curve differs
+                from it.
             duration: duration t_f of the contact, s.
         """
         lead = LEAD_RATIO * duration
@@ -88,23 +96,23 @@ class ForceCurve:
         return self.amplitude * np.exp(-self.decay * t) * bracket
 
     def rate(self, time: ArrayLike) -> Number:
-        """Return the time derivative of the force, N/s, at times in s of any shape."""
+        """Return the time derivative of the force (N/s) at times in s of any shape."""
         t = np.asarray(time, dtype=float)
         growth = self.swing * self._turn * np.sin(self._turn * (t + self.lead))
         return self.amplitude * np.exp(-self.decay * t) * growth - self.decay * self(t)
 
     def impulse(self, end: ArrayLike, start: ArrayLike = 0.0) -> Number:
-        """Return the impulse of the force between two times, N s (Zhang 2020, eq. 3.1).
+        """Return the impulse of the force between the times ``start`` and ``end`` (s), N s.
 
-        The times ``start`` and ``end`` (s), broadcast.
+        This is eq. 3.1 of Zhang (2020). The times broadcast.
         """
         return self._integral(end) - self._integral(start)
 
     def _integral(self, time: ArrayLike) -> Number:
         """Return the impulse of the force from first touch to times in s, N s.
 
-        The cosine is the real part of e^(i w (t + t_o)), with w = 2 pi/period and the lead t_o.
-        Multiplied by the decay e^(-lambda t) it has the exponent z t + i w t_o, z = -lambda + i w.
+        The cosine is the real part of e^(i w (t + t_o)), with w = 2 pi/period and the lead t_o. Its
+        product with the decay e^(-lambda t) has the exponent z t + i w t_o with z = -lambda + i w.
         """
         t = np.asarray(time, dtype=float)
         exponent = complex(-self.decay, self._turn)
@@ -113,14 +121,16 @@ class ForceCurve:
         return self.amplitude * (self.offset * constant - self.swing * turning.real)
 
     def peak_time(self) -> float:
-        """Return the time of the largest force (s) which is the end of compression.
+        """Return the time of the largest force, which is the end of compression, s.
 
-        There F' = 0 (Zhang 2020, eq. 3.6). The time is the second root of sin(w (t + t_o) + phi) =
+        At this time F' = 0 (Zhang 2020, eq. 3.6). It is the second root of sin(w (t + t_o) + phi) =
         lambda offset/(swing sqrt(w^2 + lambda^2)) with tan(phi) = lambda/w, w = 2 pi/period, the
-        lead t_o and the decay rate lambda. Raises ValueError if the force does not rise and fall
-        within the duration.
+        lead t_o and the decay rate lambda.
 
-        The ball's time and peak are those printed below (3.6):
+        Raises:
+            ValueError: if the force does not rise and fall within the duration.
+
+        The time and the largest force of the ball agree with those printed below (3.6):
 
         >>> print(f"{1e3 * BALL.peak_time():.3f} ms, {BALL.peak_force():.0f} N")
         2.328 ms, 341 N
@@ -148,12 +158,13 @@ class ForceCurve:
         return float(self(self.peak_time()))
 
     def rescaled(self, impulse: float, compression_time: float) -> ForceCurve:
-        """Return a curve of the same shape with another impulse (N s) and compression time (s).
+        """Return the force curve of an impact with other compressive impulse and compression time.
 
-        ``impulse`` is the impulse up to the peak of the new curve. In both impacts the same
-        fraction of the compression time carries the same fraction of this impulse (3.14). With the
-        ratio k of the compression times and the impulse p_c of this curve, F_new(t) = (impulse/(k
-        p_c)) F(t/k).
+        ``impulse`` (N s) is the impulse up to the peak of the new curve, ``compression_time`` (s)
+        the time of that peak. In both impacts the same fraction of the compression time carries the
+        same fraction of the compressive impulse (3.14): F_new(t) = (impulse/(k p_c)) F(t/k), with
+        the ratio k of the new to the old compression time and the compressive impulse p_c of this
+        curve.
         """
         peak = self.peak_time()
         factor = compression_time / peak
@@ -181,18 +192,19 @@ def segment_impulses(
 ) -> Array:
     """Divide an impulse among equal parts of the compression time, in proportion to a force curve.
 
-    The impulse in part i is p_i = p_c p'_i/p'_c, where p' are the impulses of the curve (Zhang
-    2020, eq. 3.15 and table 3.1).
+    The impulse in part i is p_i = p_c p'_i/p'_c. p_c is the impulse to be divided; p'_i and p'_c
+    are the impulses of the force curve in part i and in the whole compression (Zhang 2020, eq.
+    3.15, table 3.1).
 
     Args:
-        curve: force curve of another impact, which gives the proportions.
+        curve: force curve, possibly of another impact, that gives the proportions.
         impulse: compressive impulse p_c to be divided (N s), shape (...).
         segments: number of equal parts of the compression time.
         compression_time: compression time of the curve, s; by default the time of its peak. For the
-            ball the dissertation rounds this to 2.328 ms.
+            ball the dissertation rounds this time to 2.328 ms.
 
     Returns:
-        The impulses of the parts (N s), shape (..., segments). Their sum is the impulse.
+        The impulses of the parts (N s), shape (..., segments).
 
     The parts add up to the whole:
 
