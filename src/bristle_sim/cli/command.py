@@ -107,7 +107,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run_command(name: str, given: Sequence[str], program: str) -> int:
-    """Run a command that simulates the whole pass, for example ``compare``; return the exit status."""
+    """Run a command that simulates passes of a tool, for example ``compare``; return the exit
+    status.
+
+    Args:
+        name: name of the command.
+        given: arguments of the command.
+        program: name of the program in messages.
+    """
     place = "explore.entry" if name == "explore" else name
     module = import_module(f"bristle_sim.cli.{place}")
     about = COMMANDS[name].partition(":")[0].capitalize()
@@ -122,7 +129,7 @@ def _run_command(name: str, given: Sequence[str], program: str) -> int:
 def overview() -> str:
     """Return the text that lists the scenarios with their questions, the commands, and the usage.
 
-    The question of a scenario is read from the text of its script, since the import of every script
+    The question of a scenario is read from the text of its script, because importing all scripts
     would take seconds.
     """
     known = script_paths()
@@ -144,9 +151,13 @@ def run_scenario(
 ) -> int:
     """Run a scenario from the command line and return its exit status.
 
-    The exit status is 0, or 1 if a quantity misses its tolerance, 2 for bad input, and 130 after an
-    interruption. ``program`` is the name of the command in messages; by default the name of the
-    script.
+    The exit status is 0 for success, 1 if a quantity misses its tolerance, 2 for bad input, and 130
+    after an interruption.
+
+    Args:
+        scenario: the scenario.
+        arguments: arguments of the command line; by default those of this process.
+        program: name of the program in messages; by default the name of the script.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
@@ -207,7 +218,9 @@ MOST_ROWS = 1_000_000  # largest number of rows of a CSV file with equally space
 def _even_columns(subject: Any, step: float) -> Columns:
     """Return the motion of a run at equally spaced times, as columns of a CSV file.
 
-    ``subject`` holds the run as ``trajectory``. ``step`` is the time between two rows, s.
+    Args:
+        subject: object whose attribute ``trajectory`` is the run.
+        step: time between two rows, s.
 
     Raises:
         ValueError: for too many rows, or a subject without a motion.
@@ -237,10 +250,11 @@ def _contents(
     *,
     finished: bool,
 ) -> dict[str, Content]:
-    """Return the functions that write figure, film, tool file and report page, and the texts of CSV
-    and JSON, by option, in the order of writing: the page shows the film.
+    """Return the contents of the output files by option, in the order of writing.
 
-    An interrupted run, which has not ``finished``, has the JSON alone.
+    Figure, film, tool file and report page are functions that write the file. CSV and JSON are
+    texts. The film precedes the page, which shows it. If the run was interrupted (not
+    ``finished``), the only content is the JSON.
     """
 
     def film(target: Path) -> None:
@@ -250,7 +264,7 @@ def _contents(
         scenario.film(report, **(options.size or {})).write(target, **rate)
 
     def tool_file(target: Path) -> None:
-        """Write the file of the tool that was run or found."""
+        """Write the file of the tool that the scenario found, or of the simulated tool."""
         found = scenario.tool(report) if scenario.tool else build_parameters(Tool, values)
         write_tool(found, target)
 
@@ -289,7 +303,7 @@ def _contents(
 
 
 def draw(scenario: Scenario, report: Report, path: Path) -> None:
-    """Draw the figure of a report to a file, or its several figures to a folder or PDF."""
+    """Draw the figure of a report to a file, or its figures to a folder or a PDF."""
     if scenario.plot is not None:
         from bristle_sim.render.style import save_figure
 

@@ -16,7 +16,8 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
 
-# A value below this fraction of the other value is rounding error; no difference is shown
+# Ratio of two compared values below which the smaller counts as rounding error; their difference
+# is then not shown
 LEAST_PART = 1e-6
 
 VERDICT = ("normal_final_impulse", "tip_speed_at_contact")
@@ -25,6 +26,11 @@ VERDICT = ("normal_final_impulse", "tip_speed_at_contact")
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
     """Print the comparison of two tools, write the requested files, and return the exit status.
+
+    Args:
+        pass_of: the scenario that simulates a pass.
+        parser: parser to which the options of the command are added.
+        arguments: arguments of the command.
 
     Raises:
         ValueError: for bad input.
@@ -113,7 +119,8 @@ def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:
 def _difference(a: float | None, b: float | None) -> str:
     """Return the difference (b - a)/|a| as text, in per cent or as a factor.
 
-    The text is empty if a is no larger than rounding error beside b.
+    The text is empty if either value is missing, or if a is so much smaller than b that it is
+    rounding error.
     """
     if a is None or b is None or abs(a) <= LEAST_PART * abs(b):
         return ""

@@ -20,8 +20,8 @@ from bristle_sim.cli.scenario import load_scenario
 def complete(scripts: Mapping[str, Path], commands: Iterable[str]) -> None:
     """Print the possible completions of a partly typed command line for the shell, and exit.
 
-    A parameter that takes a word has one completion of ``--set`` for each word, and cannot be
-    swept.
+    If the value of a parameter is one of several words, ``--set`` has one completion for each word.
+    ``--sweep`` has none for this parameter.
 
     Args:
         scripts: the scripts of all scenarios, by name.

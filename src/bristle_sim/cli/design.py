@@ -29,9 +29,15 @@ OPTIONS = {
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Find the tool, print the answer, write the requested files, and return the exit status.
+    """Find a tool with the wanted quantities, print the answer, and write the requested files.
 
-    The exit status is 1 if the wanted quantities conflict.
+    Args:
+        pass_of: the scenario that simulates a pass.
+        parser: parser to which the options of the command are added.
+        arguments: arguments of the command.
+
+    Returns:
+        The exit status: 1 if the wanted quantities contradict each other, otherwise 0.
 
     Raises:
         ValueError: for bad input.
@@ -74,7 +80,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         print_error("--plot: left out, as no two wants or limits conflict")
 
     def plot(target: Path) -> None:
-        """Draw the trade-off between two conditions that conflict."""
+        """Draw the trade-off between two wanted quantities that contradict each other."""
         from bristle_sim.render.style import save_figure
 
         save_figure(found.plot(), target)
@@ -86,7 +92,10 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 
 def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
-    """Split assignments NAME=VALUE, and return the typed values by name."""
+    """Split texts NAME=VALUE, and return the values by name, as texts.
+
+    ``option`` is the name of the option in messages.
+    """
     found = {}
     for assignment in assignments:
         name, equals, text = assignment.partition("=")
@@ -97,9 +106,10 @@ def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
 
 
 def _table(found: Design) -> list[str]:
-    """Return the lines of a table of the quantities of the given tool and of the tool found.
+    """Return the lines of a table that compares the given tool with the tool found.
 
-    Further columns hold the change of each quantity if a varied parameter grows by 1 %.
+    Each row is a quantity. A further column for each varied parameter holds the change of the
+    quantity if this parameter grows by 1 %.
     """
     head = [
         "quantity",

@@ -5,7 +5,7 @@ from bristle_sim.comparison import Report
 
 
 def plot(report: Report) -> Picture:
-    """Draw the tip's velocities over the normal impulse of an impact."""
+    """Draw the tip's velocity components during an impact against the normal impulse."""
     from bristle_sim.render.impact_figure import impact_figure
 
     return impact_figure(report.subject)
@@ -14,7 +14,8 @@ def plot(report: Report) -> Picture:
 def film(report: Report, **size: int) -> Film:
     """Film an impact in slow motion; ``size`` is ``width`` and ``height`` in px.
 
-    If no contact duration is given, compression lasts the 50 us printed in the dissertation.
+    If the impact law has no contact duration, the film shows a compression of 50 us, the value
+    printed in the dissertation.
     """
     from bristle_sim.render.impact_film import ImpactFilm
     from bristle_sim.studies.timed_contact import with_visible_contact
@@ -23,12 +24,15 @@ def film(report: Report, **size: int) -> Film:
 
 
 def series(report: Report) -> Columns:
-    """Return the motion and forces of an impact over time, if its law resolves the impact in time."""
+    """Return the motion and forces of an impact against time.
+
+    The impact law must be one that resolves the contact in time.
+    """
     return dict(report.subject.strikes[report.subject.contact.law].contact.columns())
 
 
 def contact_series(report: Report) -> Columns:
-    """Return the motion and forces of the simulated contact over time, in a study of its force.
+    """Return the motion and forces of the contact that a force study simulated, against time.
 
     Raises:
         ValueError: if there is no contact.

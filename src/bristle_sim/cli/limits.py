@@ -20,7 +20,15 @@ from bristle_sim.studies.many_passes import checked_range
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
     """Find the values of a parameter at which the outcome of the pass changes, and print them.
 
-    Write them as JSON if requested, and return the exit status.
+    The values are also written as JSON if requested.
+
+    Args:
+        pass_of: the scenario that simulates a pass.
+        parser: parser to which the options of the command are added.
+        arguments: arguments of the command.
+
+    Returns:
+        The exit status.
 
     Raises:
         ValueError: for bad input.
@@ -50,7 +58,14 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
 
 
 def limits_in_words(declared: Range, low: float, high: float, changes: Sequence[Change]) -> str:
-    """Return a sentence that lists the changes of the outcome between two values of a parameter."""
+    """Return a sentence that lists the changes of the outcome between two values of a parameter.
+
+    Args:
+        declared: declaration of the parameter.
+        low: smaller value, in the declared unit.
+        high: larger value, in the declared unit.
+        changes: values at which the outcome changes, with the outcomes on both sides.
+    """
     between = f"For {declared.key} from {declared.displayed(low)} to {declared.displayed(high)} the outcome"
     places = [
         f"at {declared.displayed(each.at)} (below: {each.below}, above: {each.above})"

@@ -19,12 +19,12 @@ SUFFIXES = {
     "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write-tool": (".toml",),
     "report": (".html",),
 }  # fmt: skip
-"""File suffixes that each option of a file accepts; an empty tuple accepts any suffix."""
+"""Permitted suffixes of the output file, by option; an empty tuple permits any suffix."""
 
 NEEDED = {
     "fps": "video", "interval": "csv", "quantity": "sweep", "size": "video", "store": "sweep", "workers": "sweep",
 }  # fmt: skip
-"""Options that have an effect with another option alone, and that option."""
+"""Options that have an effect only together with another option, and the name of the latter."""
 
 ON_STANDARD_OUTPUT = ("json", "csv")  # options for which the value - means standard output
 
@@ -124,13 +124,13 @@ def targets_of(
 
 
 def _checked(name: str, path: str, formats: Sequence[str], *, several: bool) -> Path:
-    """Return the path of an option's file after a check that it can be written.
+    """Return the path of an option's file after a check that the file can be written.
 
     Args:
         name: name of the option.
         path: typed path.
         formats: suffixes that ``--csv`` accepts besides ``.csv``.
-        several: whether ``--plot`` draws several figures, into a folder or a PDF.
+        several: whether ``--plot`` draws several figures. They need a folder or a PDF.
     """
     suffixes = SUFFIXES[name]
     suffix = Path(path).suffix.lower()
@@ -220,9 +220,10 @@ def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
 def parser_of(
     scenario: Scenario, program: str, *, sweeping: bool = False
 ) -> argparse.ArgumentParser:
-    """Return the command-line parser of a scenario; ``sweeping`` is whether the scenario is swept.
+    """Return the command-line parser of a scenario.
 
     An option that has no effect on the scenario is left out of the parser, and has the value None.
+    ``sweeping`` states whether the command line requests a sweep.
     """
     parser = Parser(prog=program, description=scenario.question, allow_abbrev=False)
     left_out = {*scenario.options}

@@ -26,10 +26,10 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.readable import WIDTH, finite
 from bristle_sim.version import __version__, named_commit
 
-# Time between two printed reports on the progress of a computation, s: on a terminal, and elsewhere
+# Time between two printed progress reports, s: on a terminal, and on any other stream
 REFRESH = 0.5
 SILENCE = 15.0
-# Exit status of a shell whose command was ended by a signal, less the signal's number
+# Exit status that a shell reports for a command ended by a signal, minus the signal's number
 SIGNALLED = 128
 LATER = 1e-3  # delay, s, after which a signal that arrived within pymunk is repeated
 
@@ -41,7 +41,7 @@ if sys.platform != "win32":
 
 @contextmanager
 def progress(program: str) -> Iterator[None]:
-    """Show the progress of a long computation on standard error, as a context.
+    """Show the progress of a long computation on standard error while the context is active.
 
     A terminal shows the progress in a single line that is overwritten. Any other stream gets a new
     line every SILENCE seconds.
@@ -68,16 +68,15 @@ def progress(program: str) -> Iterator[None]:
 
 
 class _Progress(logging.Handler):
-    """Log handler that keeps the last report on the progress of a computation.
-
-    It prints a warning at once.
+    """Log handler that stores the last progress report of a computation, and prints warnings at
+    once.
     """
 
     program = ""
     last = "computing"
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep a report on the progress; print a warning."""
+        """Store a progress report, or print a warning."""
         if record.levelno >= logging.WARNING:
             print_error(f"{self.program}: warning: {record.getMessage()}")
         else:
@@ -102,10 +101,11 @@ class _Progress(logging.Handler):
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
-    """End a long computation in order after Ctrl-C or a signal of termination, as a context.
+    """Let a signal end a long computation by an exception while the context is active.
 
-    SIGINT raises KeyboardInterrupt; SIGTERM and SIGHUP raise SystemExit. A signal whose handler the
-    caller has replaced keeps that handler.
+    The computation can then release its resources. SIGINT (Ctrl-C) raises KeyboardInterrupt;
+    SIGTERM and SIGHUP raise SystemExit. If the caller has already set a handler of its own for a
+    signal, that handler stays in force.
     """
     before = {}
     hook = sys.unraisablehook
@@ -125,9 +125,9 @@ def ending_in_order() -> Iterator[None]:
 def _end(number: int, frame: FrameType | None) -> None:
     """Handle a signal by raising the exception that ends the computation.
 
-    Python discards an exception that is raised in a callback of the physics engine, and the
-    engine's memory must not be freed by half. If the signal arrives within pymunk, it is repeated a
-    little later instead.
+    If the signal arrives while pymunk runs, it is repeated a little later instead. Python would
+    discard an exception raised in a callback of the physics engine, and an exception must not
+    interrupt pymunk while it frees the engine's memory.
     """
     while frame is not None:
         module = frame.f_globals.get("__name__", "")
@@ -141,9 +141,9 @@ def _end(number: int, frame: FrameType | None) -> None:
 
 
 def _end_again(lost: sys.UnraisableHookArgs) -> None:
-    """Repeat the signal of an exception that Python discarded in a destructor or callback.
+    """Repeat the signal whose exception Python discarded in a destructor or callback.
 
-    An exception that does not stem from a signal is reported as usual.
+    Any other discarded exception is reported as Python usually does.
     """
     if issubclass(lost.exc_type, KeyboardInterrupt):
         _try_again(signal.SIGINT)
@@ -201,8 +201,8 @@ def plain(value: Any) -> Any:
 def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
     """Return a time series as CSV text at full precision.
 
-    The first row has the names with units; each further row is one sample. The last line has no
-    end.
+    The first row has the names with units; each further row is one sample. The text does not end
+    with a line break.
     """
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
@@ -234,8 +234,9 @@ def in_words(report: Report) -> str:
 
 
 def _wrapped(remark: str) -> list[str]:
-    """Return a remark as lines of limited width; a remark that has columns or several lines stays
-    whole.
+    """Return a remark as lines of limited width.
+
+    A remark with columns or several lines is not wrapped.
     """
     if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
         return [remark]
@@ -251,8 +252,8 @@ def write_text(target: Path, text: str) -> None:
 def print_line(text: str) -> None:
     """Print a text on standard output.
 
-    Letters that the output's encoding lacks are printed as ``?``. A reader that closes the output
-    early, such as ``head``, causes no error.
+    Characters that the output's encoding lacks are printed as ``?``. If the reader closes the
+    output early, as ``head`` does, there is no error.
     """
     encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
     try:

@@ -28,32 +28,31 @@ class Scenario:
     """One question that a script answers on the command line.
 
     A parameter is set by its key, a name such as ``hub_speed``. The functions of a scenario import
-    their modules when they are called. Help and bad input are therefore answered at once, and
-    Ctrl-C is handled even while libraries load.
+    their modules only when they are called. Help and messages on bad input therefore appear at
+    once, and Ctrl-C is handled even while libraries load.
 
     Attributes:
         name: name of the script, without suffix.
         question: the question in a sentence.
-        run: function that answers the question. The declared fields of its arguments' classes are
-            the script's keys; for a Tool, the fields of all its parts. It may raise ValueError for
-            values that contradict each other.
+        run: function that answers the question. Its arguments are parameter objects. The declared
+            fields of their classes are the script's keys; for a Tool, the fields of all its parts.
+            The function may raise ValueError for values that contradict each other.
         plot: function that returns the figure of a report.
         plots: function that draws several figures of a report into a folder or on the pages of a
             PDF.
         film: function that returns the film of a report; it accepts ``width`` and ``height``, px.
         series: function that returns the time series of a report: columns by name and unit, with
             one entry for each sample. None for a scenario without a motion.
-        formats: functions that return the text of ``--csv`` in another format, by the suffix of the
-            file's name.
-        tool: function that returns the tool that the scenario found, if it differs from the given
-            tool.
-        defaults: values of keys that differ from the defaults of the parameter classes, each with
+        formats: functions that return the time series as text in formats other than CSV. The key is
+            the suffix that a file name after ``--csv`` must have for this format.
+        tool: function that returns the tool that the scenario found; None if the scenario only
+            simulates the given tool.
+        defaults: default values that differ from those of the parameter classes, by key, each with
             its source.
-        without: keys of the arguments that have no effect on the answer.
-        highest: upper limits of keys that are below the limits of the parameter classes, each with
-            its reason.
-        in_arrays: whether the quantities are those of a pass. A sweep can then compute them in
-            arrays.
+        without: keys that are not offered, because they have no effect on the answer.
+        highest: upper limits below those of the parameter classes, by key, each with its reason.
+        in_arrays: whether the quantities are those of a pass, so that a sweep may compute all
+            points at once in arrays.
         options: keys with an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
 
@@ -107,8 +106,8 @@ class Scenario:
         """Return the value of every parameter, by key.
 
         Args:
-            assignments: texts ``KEY=VALUE``; the last one for a key counts. The value ``none``
-                leaves out a parameter that may be absent.
+            assignments: texts ``KEY=VALUE``; if a key occurs twice, the last text counts. The value
+                ``none`` leaves out a parameter that may be absent.
             numbers: values in SI units by key; they override the assignments.
 
         Returns:
@@ -145,8 +144,9 @@ class Scenario:
         return values
 
     def warnings_of(self, assignments: Sequence[str], values: Values) -> list[str]:
-        """Return a warning for each unusual typed value, with the unit that the user may have
-        meant.
+        """Return a warning for each unusual value among the assignments.
+
+        If the number may have been meant in another unit, the warning names this unit.
         """
         keys = self.keys()
         typed = dict(assignment.split("=", 1) for assignment in assignments)
@@ -158,12 +158,17 @@ class Scenario:
     ) -> tuple[list[str], list[str]]:
         """Read a tool's file for this scenario.
 
-        If the file has the default tool's wire shape or law of impact, the scenario keeps its own,
-        for example a bent wire. ``option`` is the option in messages.
+        Some values in the file are those of the default tool. If they describe the wire's shape or
+        the law of impact, they are ignored, and the scenario uses its own defaults, for example a
+        bent wire.
+
+        Args:
+            path: name of the file.
+            option: name of the option in messages.
 
         Returns:
             Assignments ``KEY=VALUE`` of the parameters, and one warning for each value in the file
-                that has no effect on the scenario.
+            that has no effect on the scenario.
 
         Raises:
             ValueError: in one line, for a file that cannot be read or is not TOML, an unknown key,
@@ -231,9 +236,13 @@ class Scenario:
 
 
 def build_parameters(kind: Any, values: Values) -> Any:
-    """Return a parameter object or a tool, built from the values of its parameters.
+    """Return an object of a parameter class, built from values by key.
 
-    ``kind`` is its class. A parameter without a value has its default.
+    A parameter without a value has its default.
+
+    Args:
+        kind: parameter class, or Tool.
+        values: values by key.
     """
     given = {
         name: values[declared.key]
@@ -266,5 +275,5 @@ def load_scenario(path: Path) -> Scenario:
 
 
 def main_scenario() -> Scenario:
-    """Return the scenario of the whole pass, which the commands such as ``compare`` use."""
+    """Return the scenario that simulates a whole pass; commands such as ``compare`` use it."""
     return load_scenario(script_paths()["cue_and_impact"])

@@ -42,7 +42,7 @@ MOST_ROWS = 15
 
 
 def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
-    """Run a scenario over values of one or two parameters, and show its quantities.
+    """Run a scenario for several values of one or two parameters, and show its quantities.
 
     The requested files are written. Standard output shows the answer and a table.
 
@@ -52,8 +52,8 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
         targets: the files to write, by option.
 
     Raises:
-        ValueError: for bad input, if no point has a result, or without the extra ``sweep`` where it
-            is needed.
+        ValueError: for bad input, if no point has a result, or if the sweep needs the extra
+            ``sweep`` and it is not installed.
     """
     axes = {axis.label: axis for axis in (_axis(scenario, text) for text in options.sweep)}
     if len(axes) < len(options.sweep):
@@ -65,7 +65,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     answer = sweep_in_words(found, chosen)
 
     def plot(target: Path) -> None:
-        """Draw the chosen quantities over the swept parameters."""
+        """Draw the chosen quantities against the swept parameters."""
         from bristle_sim.render.style import save_figure
         from bristle_sim.render.sweep_figures import sweep_figure
 
@@ -84,7 +84,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
 
 
 def _axis(scenario: Scenario, text: str) -> Series:
-    """Return the swept parameter that KEY=FROM:TO:N names, with its N equally spaced values."""
+    """Return the swept parameter of a text KEY=FROM:TO:N, with N equally spaced values."""
     import numpy as np
 
     key, _, interval = text.partition("=")
@@ -109,8 +109,13 @@ def _axis(scenario: Scenario, text: str) -> Series:
 def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Series]) -> Swept:
     """Compute a sweep: all points at once in arrays if possible, otherwise one run for each point.
 
-    Arrays serve only if scenario, tool and swept parameters permit it, and neither worker processes
-    nor a folder of stored points are requested.
+    Arrays are possible only for certain scenarios, tools and swept parameters. They are not used if
+    worker processes or a folder of stored points are requested.
+
+    Args:
+        scenario: the scenario.
+        options: the parsed options.
+        axes: the swept parameters with their values.
     """
     values = scenario.values_of(options.set)
     keys = KEYS.keys() - {"wire_links", "knee_angle_deg"}
@@ -126,8 +131,12 @@ def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Seri
 def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
     """Run a scenario at one point of a sweep, and return its report.
 
-    ``keys`` are the values of the swept parameters, which are removed from the quantities of the
-    report. ``assignments`` set the other parameters.
+    The report does not list the swept parameters among its quantities.
+
+    Args:
+        scenario: the scenario.
+        assignments: texts ``KEY=VALUE`` that set the other parameters.
+        keys: values of the swept parameters.
 
     Raises:
         ValueError: for a refused value.
@@ -172,7 +181,10 @@ def table_columns(found: Swept) -> dict[str, list[Any]]:
 
 
 def _rows(found: Swept, chosen: Sequence[str]) -> list[str]:
-    """Return the lines of a table over one parameter, with at most MOST_ROWS of the points."""
+    """Return the lines of a table of quantities for the values of one parameter.
+
+    The table shows at most MOST_ROWS of the points.
+    """
     import numpy as np
 
     (axis,) = found.axes.values()
@@ -196,7 +208,9 @@ HEAD = 16  # least width, in letters, of each of the three lines of a column's h
 
 
 def _column(series: Series, rows: Any) -> list[str]:
-    """Return a column of the table as texts: three lines of heading with a readable unit, then the
+    """Return a column of the table as texts.
+
+    Three lines of heading, with a readable unit, precede the values. ``rows`` are indices of the
     values.
     """
     size = series.display[1]
@@ -208,17 +222,18 @@ def _column(series: Series, rows: Any) -> list[str]:
 
 
 def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
-    """Return a title and a list of words as lines of limited width, with an empty line before them.
+    """Return a title and a list of words as lines of limited width, below an empty line.
 
-    Without words, return an empty list.
+    If there are no words, there are no lines.
     """
     words = f"{title}: {', '.join(parts)}"
     return ["", *textwrap.wrap(words, WIDTH, subsequent_indent="  ")] if parts else []
 
 
 def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
-    """Return the lines of a table of each quantity's lowest and highest value, and where they
-    occur.
+    """Return the lines of a table of the lowest and highest value of each quantity.
+
+    The table also has the values of the swept parameters at which they occur.
     """
     import numpy as np
 

@@ -50,10 +50,10 @@ SLIDERS = {
 
 WHOLE = 1500
 PANEL_COLUMNS = 300
-"""Largest number of samples drawn without a selection, and number of columns for a longer run.
+"""Largest number of samples of a run that is drawn whole, and number of columns of a longer run.
 
-A column of a panel is one or two pixels wide. It shows the first, last, least and largest value in
-its interval of time."""
+A column of a panel is one or two pixels wide. It shows the first, last, smallest and largest value
+in its time interval."""
 
 
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
@@ -74,10 +74,10 @@ def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
 
 
 def _knob(declared: Any, value: Any, group: str) -> dict[str, Any]:
-    """Return the description of one parameter's control: its texts and, for a number, unit and
-    range.
+    """Return the description of one parameter's control on the page.
 
-    ``value`` is the first value, in SI units. ``group`` is the name of the group of controls.
+    It holds texts and, for a number, unit and range. ``value`` is the first value, in SI units.
+    ``group`` is the name of the group of controls.
     """
     words = {
         "key": declared.key,
@@ -154,7 +154,7 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
 def _change(declared: Declaration, before: Any, after: Any) -> list[str]:
     """Return the texts of a parameter's values before and after a change.
 
-    The texts have five digits, or full precision if five digits do not tell the values apart.
+    The texts have five digits, or full precision if they would be equal with five digits.
     """
     found = [declared.displayed(each) for each in (before, after)]
     return found if found[0] != found[1] else [_typed(declared, each) for each in (before, after)]
@@ -170,12 +170,12 @@ def _typed(declared: Declaration, value: Any) -> str:
 
 
 def series(run: Trajectory) -> dict[str, Any]:
-    """Return the curves of a pass over time for the page, with the events marked in them.
+    """Return the curves of a pass for the page, with the events that are marked in them.
 
-    The curves are ``time`` (ms), ``retraction`` (degrees), ``rate`` relative to the hub (rad/s),
-    ``speed`` of the tip (m/s) and normal ``force`` (N). Samples that would not change a displayed
-    curve are left out; ``drawn`` states the number of the others. ``marks`` are times (ms) with the
-    names of their events.
+    The curves are ``time`` (ms), ``retraction`` (degrees), ``rate``, the angular velocity relative
+    to the hub (rad/s), ``speed`` of the tip (m/s) and normal ``force`` (N). A long run is drawn
+    with only the samples that change a displayed curve; ``drawn`` is a text with their number.
+    ``marks`` are times (ms) and names of events.
     """
     marks = [[1e3 * each.time, each.name] for each in key_events(run)]
     curves = {
@@ -199,8 +199,8 @@ def series(run: Trajectory) -> dict[str, Any]:
 def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
     """Return the indices of the samples that change a displayed curve.
 
-    The time is divided into equal intervals, one for each column of the panel. In each interval the
-    first sample, the last sample, and the extremes of every curve are kept.
+    The time is divided into equal intervals, one for each column of the panel. In each interval,
+    the first sample, the last sample, and the extremes of every curve are selected.
     """
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], PANEL_COLUMNS + 1)[:-1])
     kept = set[int]()

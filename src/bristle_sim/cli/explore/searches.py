@@ -34,7 +34,7 @@ from bristle_sim.units import exact_text
 SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map; their errors are far below one shade
 COARSE = 40
 FINE = 200
-"""Number of cells along each side of a map, while a parameter changes and at rest.
+"""Number of cells along each side of a map: while the user changes a parameter, and afterwards.
 
 The coarse map is computed in 0.03 s, the fine one in 0.6 s."""
 SHADES = 254  # number of steps of a map's colour scale
@@ -48,10 +48,10 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     """Return the map of a quantity over two parameters, as data for the page.
 
     Args:
-        pass_of: the scenario of the whole pass.
-        assignments: assignments ``KEY=VALUE`` of the tool.
-        on: JSON with ``x`` and ``y``, each a parameter and the ends of its range, and with ``of``,
-            the name of the quantity.
+        pass_of: the scenario that simulates a pass.
+        assignments: texts ``KEY=VALUE`` that describe the tool.
+        on: JSON text. Its entries ``x`` and ``y`` are lists of a parameter's key and the two ends
+            of its range. Its entry ``of`` is the name of the quantity.
         fine: "1" for the fine map, any other text for the coarse map.
     """
     asked = json.loads(on)
@@ -92,7 +92,10 @@ def _coded(numbers: Array) -> str:
 
 
 def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
-    """Find the values of the map's first parameter at which the outcome changes; return a sentence."""
+    """Return a sentence on the values of the map's first parameter at which the outcome changes.
+
+    ``on`` is the JSON text of ``map_of``.
+    """
     tool = build_parameters(Tool, pass_of.values_of(assignments))
     key, *ends = json.loads(on)["x"]
     low, high = checked_range(tool, key, ends)
@@ -103,9 +106,10 @@ def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
 
 
 def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
-    """Find the tool whose pass has the wanted quantities; return its parameters and a sentence.
+    """Find a tool whose pass has the wanted quantities, and return its parameters and a sentence.
 
-    The two parameters of the map are varied in the ranges of the map.
+    The two parameters of the map are varied in the ranges of the map. ``on`` is the JSON text of
+    ``map_of`` with a further entry ``want``.
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
@@ -120,9 +124,10 @@ def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
 
 
 def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
-    """Return the bar's position for which the strike is radial, as texts of its two coordinates.
+    """Return the position of the bar with which the wire strikes radially, as texts by key.
 
-    The bar keeps its distance from the hub's centre. In a radial strike the lag is zero.
+    In a radial strike, the line from root to tip has the radial direction. The distance of the bar
+    from the hub's centre is not changed.
     """
     values = pass_of.values_of(assignments)
     tool = build_parameters(Tool, values)

@@ -130,8 +130,14 @@ class Request(BaseHTTPRequestHandler):
     ) -> None:
         """Send an answer: bytes, a text, or a dictionary as JSON.
 
-        Headers restrict a browser to the page's own script and to this server. ``name`` is the name
-        of a file under which the browser keeps the answer.
+        Headers restrict a browser to the page's own script and to this server.
+
+        Args:
+            content: content of the answer.
+            mime: media type of the content.
+            status: HTTP status.
+            name: name of the file in which the browser saves the answer; empty for an answer to the
+                page.
         """
         text = json.dumps(content) if isinstance(content, dict) else content
         data = text.encode() if isinstance(text, str) else text
@@ -152,9 +158,9 @@ class Request(BaseHTTPRequestHandler):
 def meant_for(header: str, host: str, port: str) -> bool:
     """Return whether the Host header of a request names this server.
 
-    It must name this machine or the address ``host``, with the server's port. If the server listens
-    on every address of the machine, any numerical address is accepted, since no other site can
-    redirect a numerical address to this server.
+    The header must name this machine or the address ``host``, with the server's port. A server that
+    listens on every address of the machine also accepts any numerical address, since no other site
+    can redirect a numerical address to this server.
     """
     with contextlib.suppress(ValueError):
         named = urlsplit(f"//{header}")

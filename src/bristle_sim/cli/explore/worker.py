@@ -41,7 +41,7 @@ REPORTED = 0.2  # shortest time between two reports on the progress of a computa
 STOPPED = "stopped by a newer run"
 
 MOST_RUNNING = 4  # largest number of simultaneous computations; further ones wait up to TIME_LIMIT
-# Largest number of waiting processes, each of about 100 MB: for a run, a map and a spare
+# Largest number of idle processes: one for a run, one for a map and a spare, each of about 100 MB
 MOST_IDLE = 3
 
 KINDS = {
@@ -84,8 +84,12 @@ class Worker:
     def answer(self, kind: str, arguments: tuple[Any, ...]) -> Answer:
         """Let the process do a computation, and return its result.
 
-        A result with the entry ``error`` gives the reason why the input was refused or why the
-        process ended.
+        If the input was refused or the process ended, the entry ``error`` of the result states the
+        reason.
+
+        Args:
+            kind: kind of computation, a key of ``KINDS``.
+            arguments: arguments of the function that computes.
         """
         late = f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"
         timer = threading.Timer(TIME_LIMIT, self._kill, [late])
@@ -110,13 +114,16 @@ class Worker:
         return self._process.poll() is None
 
     def stop(self) -> None:
-        """Stop the present computation; end the process if the computation does not stop in time."""
+        """Stop the present computation.
+
+        If the computation has not stopped after GRACE seconds, the process is ended.
+        """
         number = self._number
         with contextlib.suppress(OSError):  # the process has ended
             self._send(number)
 
         def end() -> None:
-            """End the process if it still computes the same."""
+            """End the process if the computation to be stopped is still under way."""
             if number == self._number:
                 self._kill(STOPPED)
 
@@ -139,7 +146,7 @@ def _end(process: Any) -> None:
 
 
 class Workers:
-    """The processes that compute for a server; a spare one is always started in advance."""
+    """The processes that compute for a server; one idle process is always started in advance."""
 
     def __init__(self) -> None:
         """Begin without processes; the first request starts one."""
@@ -177,8 +184,9 @@ class Workers:
                     self._idle.append(worker)
 
     def progress(self, page: str) -> float:
-        """Return the finished fraction of a page's present computation; 0 if no progress is
-        reported.
+        """Return the finished fraction of a page's present computation.
+
+        It is 0 without a computation or without a report on its progress.
         """
         worker = self._running.get(page)
         return 0.0 if worker is None else worker.progress
@@ -189,7 +197,10 @@ class Workers:
 
 
 def work() -> None:
-    """Do computations until standard input ends; then end the process at once, even during a run."""
+    """Do the computations that arrive on standard input.
+
+    When standard input ends, the process ends at once, even during a computation.
+    """
     # Ctrl-C ends the server, and therefore standard input
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
@@ -198,7 +209,10 @@ def work() -> None:
     watch = Watch(answers)
 
     def read() -> None:
-        """Read computations, and numbers of those to stop, until standard input ends."""
+        """Read messages from standard input until it ends.
+
+        A message is a computation, or the number of a computation that is to be stopped.
+        """
         with contextlib.suppress(EOFError, OSError):
             while True:
                 message = pickle.load(sys.stdin.buffer)
@@ -234,11 +248,11 @@ class StoppedError(Exception):
 
 
 class Watch(logging.Handler):
-    """Log handler that reports the progress of a computation and raises an error if it is stopped.
+    """Log handler that reports the progress of a computation, and stops the computation on request.
 
     Attributes:
         number: number of the present computation.
-        stopped: number of the computation that was stopped last.
+        stopped: number of the computation that was last requested to stop.
     """
 
     def __init__(self, answers: BinaryIO) -> None:
@@ -249,10 +263,10 @@ class Watch(logging.Handler):
         self._reported = 0.0
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Report the progress in a log record to the server.
+        """Report to the server the progress that a log record states.
 
         Raises:
-            StoppedError: if the present computation is stopped.
+            StoppedError: if the present computation is to be stopped.
         """
         if self.stopped == self.number:
             raise StoppedError(STOPPED)
