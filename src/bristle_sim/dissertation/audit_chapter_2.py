@@ -63,15 +63,16 @@ def cue_figures() -> Figures:
     bar_stands = (
         f"the bar stands at {math.degrees(direction):.2f} deg from the workpart's normal in print, at"
         f" {math.degrees(plain.bar_direction):.2f} by (2.1) with 0.00041 N m per degree and at"
-        f" {math.degrees(stiff.bar_direction):.2f} with centrifugal stiffening, which leaves"
-        f" {1e3 * stiff.bar_horizontal:.2f} and {1e3 * stiff.bar_vertical:.2f} mm"
+        f" {math.degrees(stiff.bar_direction):.2f} with centrifugal stiffening, which gives"
+        f" S_H = {1e3 * stiff.bar_horizontal:.2f} mm and S_V = {1e3 * stiff.bar_vertical:.2f} mm"
     )
     return {
         "fig. 1.5: hub speed": 3050 / 60,
         "eq. 2.2: hub speed of 2500 rpm": 2 * math.pi * (2500 / 60),
         "eq. 2.2: impact angle for a penetration of 4.5 mm": math.degrees(plain.impact_angle),
         "fig. 4.2: rate before the impact": Figure(
-            SPEED_RATIO * tool.hub.speed, "R times the hub's speed; R itself has a row of its own"
+            SPEED_RATIO * tool.hub.speed,
+            "R times the hub's angular velocity; the value of R is audited in its own row",
         ),
         "eq. 4.3: speed of the tip": tip_speed(length, radius, tool.hub.speed, SPEED_RATIO),
         "fig. 2.7: mass of the bristle": Figure(
@@ -86,21 +87,21 @@ def cue_figures() -> Figures:
             f" ({math.radians(softened):.3e} with centrifugal stiffening). Per radian the hub would turn"
             f" {math.degrees(cueing.cue(soft).hub_turn):.0f} deg"
             f" ({math.degrees(cueing.stiffened_cue(soft).hub_turn):.0f} with stiffening) while the"
-            f" bristle is cued, and the printed position leaves it {math.degrees(turn):.1f}",
+            f" bristle is cued; the printed position of the bar leaves it only {math.degrees(turn):.1f} deg",
         ),
         "fig. 1.5: natural frequency": Figure(
             natural_rate / (2 * math.pi),
-            f"another tool: it needs {math.radians(filmed_stiffness):.2e} N m per degree,"
-            f" {filmed_stiffness / tool.belt.stiffness:.2f} times the belt of eq. 2.2. 254 Hz is"
-            f" {254 / (3050 / 60):.2f} times its hub's 50.8 per second",
+            f"the tool is another one: 254 Hz needs {math.radians(filmed_stiffness):.2e} N m per degree,"
+            f" {filmed_stiffness / tool.belt.stiffness:.2f} times the stiffness of eq. 2.2. 254 Hz is also"
+            f" {254 / (3050 / 60):.2f} times the 50.8 revolutions per second of that tool's hub",
         ),
         "eq. 2.3: bar position S_H": Figure(1e3 * plain.bar_horizontal, bar_stands),
         "eq. 2.3: bar position S_V": Figure(1e3 * plain.bar_vertical, bar_stands),
         "sec. 2.2: design forecast within 5 %": within(
             off,
             0.05,
-            f"S_V is off by {off:.1%}; with centrifugal stiffening by {stiff_off:.1%}, which keeps the"
-            " promise. The distance S cannot tell, since r_b is not printed and follows from it",
+            f"S_V is off by {off:.1%}; with centrifugal stiffening by {stiff_off:.1%}, as forecast. The"
+            " distance S is no test: the bar's radius r_b is not printed and follows from S",
         ),
         "eq. 2.2: retraction angle at release": Figure(
             None,
@@ -131,8 +132,8 @@ def pass_figures() -> Figures:
     return {
         "eq. 2.33: speed ratio R": Figure(
             plain / tool.hub.speed,
-            f"theta_p sqrt(k_T/I) with 0.00041 N m per degree is {plain:.1f} rad/s; with the centrifugal"
-            f" stiffening that is left out it is {stiff:.1f} (845.6 at a damping ratio of {damping:.3f}),"
+            f"theta_p sqrt(k_T/I) with 0.00041 N m per degree is {plain:.1f} rad/s; with centrifugal"
+            f" stiffening, which it omits, it is {stiff:.1f} (845.6 at a damping ratio of {damping:.3f}),"
             f" and the simulated strike has {rate:.1f}. All are relative to the hub; the impact formulas"
             " take R as absolute",
         ),
@@ -192,8 +193,8 @@ def compression_figures() -> Figures:
         "fig. 2.7: p_cy converges to a common value as friction approaches 1": within(
             spread[-1],
             0.01,
-            f"at mu = 1 p_cy goes like 1/(sin gamma + cos gamma), still {spread[-1]:.0%} apart from 15 to"
-            f" 30 deg; the curves draw together from {spread[0]:.0%} of that at mu = 0 but do not meet",
+            f"at mu = 1 p_cy is proportional to 1/(sin gamma + cos gamma), and the curves of 15 to 30 deg"
+            f" still differ by {spread[-1]:.0%} of their mean; at mu = 0 they differ by {spread[0]:.0%} of it",
         ),
         "fig. 2.8: p_cy is linear in the bristle's length": linear(
             by_length.normal_compressive_impulse
@@ -225,8 +226,8 @@ def compression_figures() -> Figures:
         "fig. 2.19: total work behaves like tangential work over friction": above(
             np.ptp(total_work) / np.abs(np.mean(total_work)),
             0.01,
-            f"it is constant, {1e3 * total_work[0]:.4f} mJ whatever mu and gamma: -(m/6) v_C^2, the energy"
-            " of the effective mass m/3 along the tip's path",
+            f"it is {1e3 * total_work[0]:.4f} mJ for all mu and gamma: -(m/6) v_C^2, the kinetic energy of"
+            " the effective mass m/3 at the tip",
         ),
     }
 
@@ -252,8 +253,8 @@ def restitution_figures() -> Figures:
         "fig. 2.22: equal or different friction makes minimal distinction": within(
             apart,
             0.05,
-            f"p_fy of the two figures is up to {apart:.0%} apart at e* = 0.42, at the lowest friction,"
-            " since mu_1 alone sets p_cy; near mu = 0.31, where both are equal by choice, it is small",
+            f"p_fy of the two figures differs by up to {apart:.0%} at e* = 0.42, at the lowest friction,"
+            " since mu_1 alone sets p_cy; near mu = 0.31, where mu_1 = mu_2, the difference is small",
         ),
         "fig. 2.23: p_fy grows with restitution": grows(by_restitution),
         "fig. 2.24: the rebound ratio falls with friction": grows(equal.rebound_ratio),
@@ -321,7 +322,7 @@ def pendulum_figures() -> Figures:
         "fig. 2.30: the double pendulum agrees with the monofilament": within(
             hub_as_rod / operating.normal_final_impulse - 1,
             0.01,
-            f"{apart:.2%} apart at mu = 0.31: the heavy rod has L = 0.027 m where the hub has 0.0275 m;"
+            f"{apart:.2%} apart at mu = 0.31: the heavy rod is 0.027 m long, the hub's radius is 0.0275 m;"
             f" with r_h = L the difference is {apart_on_equal_lengths:.3%} at n = 700 and vanishes like 1/n",
         ),
         "eq. 2.111: the double pendulum's stiction friction is tan gamma": within(

@@ -72,8 +72,8 @@ def force_history_figures() -> Figures:
         "eq. 3.6: time of the largest force": BALL.peak_time(),
         "eq. 3.7: compressive impulse of the ball": Figure(
             ball_impulse,
-            f"the curve gives {ball_impulse:.4f} N s: two digits changed places, and the unit is that of an"
-            " impulse; (3.17) divides by 0.4629 and table 3.1 needs it",
+            f"the curve gives {ball_impulse:.4f} N s: two digits are interchanged in print, and N m is printed"
+            " for N s; (3.17) divides by 0.4629, as table 3.1 requires",
         ),
         "eq. 3.17: compressive impulse of the ball": ball_impulse,
         "sec. 3.1: peak force within 5 % of the measured one": within(

@@ -95,7 +95,7 @@ def map_figure() -> Redrawn:
             Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, h.penetration
         ),
     )
-    note = "a contact that takes 50 µs to stop a tip of 30 m/s needs some 0.9 mm for it, three times the path of (4.4a)"
+    note = "a contact that stops a tip of 30 m/s in 50 µs needs a path of some 0.9 mm, three times that of (4.4a)"
     return Redrawn("4.2", "force and motion during compression", panels, note)
 
 
@@ -143,7 +143,7 @@ def plies_figure() -> Redrawn:
     levels = (MEASURED_LEVEL, Level(limit, f"limit {1e6 * limit:.2f} µm"))
     mark = Mark(300.0, depth, f"{1e6 * depth:.2f} µm, printed 140")
     panel = Panel(PLIES, DEPTH, curves, marks=(mark,), levels=levels)
-    note = "300 plies are called converged; the error falls like 1/√n, a tenth of it takes 30000"
+    note = "300 plies are called converged; the error falls like 1/√n, so that a tenth of it takes 30000 plies"
     return Redrawn("4.13", "crater depth over the number of plies", (panel,), note)
 
 

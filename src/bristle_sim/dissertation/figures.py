@@ -67,7 +67,7 @@ def figures_report(selection: Selection) -> Report:
             for each in figures
             for source, distance in largest_differences(each).items()
         )
-        words = "largest distance of the points from their curve, divided by the curve's largest value at a point, in"
+        words = "largest distance of the points from their curve, as a fraction of the curve's largest value at them:"
         return Report(
             outcome=None,
             quantities=quantities,
@@ -119,4 +119,4 @@ def _answer(quantities: Sequence[Quantity]) -> str:
     if not findings:
         return verdict
     distance, label = max((each.simulated or 0.0, each.label) for each in findings)
-    return f"{verdict} Farthest off, as a finding, is {label}: {distance:.2g} of the largest value."
+    return f"{verdict} Of the other points, the farthest from their curve are {label}: by {distance:.2g} of its largest value."

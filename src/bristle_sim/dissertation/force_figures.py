@@ -128,7 +128,7 @@ def table() -> Redrawn:
     return Redrawn(
         "table_3.1",
         "ten-segment impulse of the bristle",
-        note="0.1 mN·s; (3.15) shares the printed 1.619 mN·s out as the ball's curve does, (3.19) carries 0.46 % less",
+        note="in 0.1 mN·s; (3.15) divides the printed 1.619 mN·s like the ball's curve, (3.19) has 0.46 % less in all",
         table=(head, *rows, ("sum", "", *totals)),
     )
 

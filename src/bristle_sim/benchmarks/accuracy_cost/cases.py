@@ -78,7 +78,7 @@ class StrikeCase(Case):
     chain: Chain
     surface: Surface
     notes: tuple[str, ...] = (
-        "bristle_sim: energetic takes no steps; engine is Newton's law",
+        "bristle_sim: energetic takes no time steps; engine is Newton's law of restitution",
         "no other package has energetic restitution",
     )
 
@@ -103,8 +103,8 @@ def release_flight() -> Case:
         scale=(retraction, speed),
         source="energy integral; its quarter period by Gauss-Legendre quadrature",
         notes=(
-            "scipy, heyoka: the equation of motion, derived by hand; all others: bodies and joints,"
-            " the model built beforehand (but for simulate)",
+            "scipy, heyoka: the equation of motion, derived by hand; all others: bodies and joints;"
+            " only simulate builds its model within the measured time",
         ),
         tool=tool,
         retraction=retraction,
@@ -178,8 +178,8 @@ def whole_pass_case() -> Case:
         scale=(exact[0], RETRACTION_AT_RELEASE, exact[2]),
         source=f"scipy DOP853 in generalized coordinates, accuracy {REFERENCE_ACCURACY:g}",
         notes=(
-            "scipy: this project's reference, derived by hand",
-            "mujoco: the bar as a damped spring as stiff as the step allows",
+            "scipy: this project's reference, whose equations are derived by hand",
+            "mujoco: the bar is a damped spring, as stiff as the time step permits",
         ),
     )
 

@@ -253,7 +253,7 @@ def _answer(measured: AccuracyCost) -> str:
     return (
         f"In CPU time, {'; '.join(costs)}."
         if costs
-        else "No method of ours reaches the target errors."
+        else "No method of this project reaches the target errors."
     )
 
 
@@ -270,10 +270,10 @@ def _tables(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
 
 def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
     yield ""
-    yield "reference = the cheapest peer; simulated = the cheapest of our methods that integrate in time"
+    yield "simulated: our fastest method that integrates in time; reference: the fastest other package"
     for case in measured.cases:
         yield ""
-        yield f"{case.name}: {case.title}; CPU ms to an error of (exact: {case.source})"
+        yield f"{case.name}: {case.title}; CPU time (ms) for each error (exact answer: {case.source})"
         yield f"  {'method':<28}" + "".join(f"{decade:>7.0e}" for decade in DECADES)
         for own in by_method(measured.of(case.name)):
             cells = "".join(_cell(cheapest(own, decade)) for decade in DECADES)
@@ -282,9 +282,9 @@ def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
             yield from (f"    {each.setting} failed: {each.failure}" for each in failed)
         yield from (f"  {note}" for note in case.notes)
     yield ""
-    yield "ratio of our CPU time to the cheapest peer's:"
+    yield "our CPU time divided by that of the fastest other package, at each error:"
     for each in comparisons(measured):
-        verdict = f"reached by {'no peer' if each.ours else 'none of ours in time'}"
+        verdict = f"not reached by {'another package' if each.ours else 'our methods in time'}"
         if each.ours is not None and each.peer is not None:
             ratio = each.ours.cpu_s / each.peer.cpu_s
             verdict = f"{ratio:6.2f}  {_named(each.ours)} against {_named(each.peer)}"
@@ -298,7 +298,7 @@ def _lines(measured: AccuracyCost, machine: dict[str, Any]) -> Iterator[str]:
     for name, why in measured.missing.items():
         yield f"does not take part: {name}, {why}"
     if measured.missing:
-        yield "pip install 'bristle-sim[peers]' installs every peer"
+        yield "pip install 'bristle-sim[peers]' installs every compared package"
 
 
 def _cell(point: Point | None) -> str:

@@ -125,10 +125,12 @@ def touching() -> Iterator[HardCase]:
     limit = 10 * ACCURACY
     promise = AS_REFERENCE.format(limit)
     yield hard_case("struck while the bar is touched", promise, agrees_with_reference, both, limit)
-    promise = f"jam, by name, when the wedge has closed, to {ACCURACY:g} of the scene's time"
+    promise = (
+        f"stops with a jam when the wedge has closed, to {ACCURACY:g} of the scene's time unit"
+    )
     yield hard_case("wedged in, restitution 0.5", promise, _jams)
     name = "pinned by bar and workpart, hub at rest"
-    yield hard_case(name, "remains to 1e-12 rad, to the end", _remains)
+    yield hard_case(name, "moves by at most 1e-12 rad until the end", _remains)
 
 
 def between(

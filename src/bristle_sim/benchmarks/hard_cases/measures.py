@@ -24,7 +24,7 @@ ACCURACY = Settings().accuracy
 MORE_ACCURATE = 1e-3
 """Ratio of the reference's requested accuracy to that of the compared run."""
 
-AS_REFERENCE = "end and strike as in the reference to {:g}, the requested accuracy"
+AS_REFERENCE = "last state and strike as in the reference, to {:g}, the requested accuracy"
 """Promise of a case that is compared with the reference; the number is the tolerance."""
 
 IMPACT_LAWS = ("energetic", "compliant", "engine")

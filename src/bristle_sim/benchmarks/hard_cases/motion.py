@@ -68,7 +68,7 @@ def belt_stiffness() -> Iterator[HardCase]:
     for factor in (1e-3, 10.0):
         yield whole(f"belt x {factor:g}", belt_stiffness=factor * STIFFNESS)
     yield hard_case(
-        "belt x 1e+06: whole pass", "says that its step budget is spent", _spends_budget
+        "belt x 1e+06: whole pass", "stops, with the reason 'step budget spent'", _spends_budget
     )
 
 
@@ -119,7 +119,9 @@ def tunnelling() -> Iterator[HardCase]:
     """
     for accuracy in (0.1, 1e-6, 1e-11):
         name = f"accuracy {accuracy:g}, hub 1 to 1e5 rad/s, bars from {THINNEST:.1g} m and the workpart"
-        promise = f"all met, their instants right to {accuracy:g} of them, the requested accuracy"
+        promise = (
+            f"all met, relative error of the times at most {accuracy:g}, the requested accuracy"
+        )
         yield hard_case(name, promise, _meets, accuracy)
 
 
@@ -164,7 +166,9 @@ def _meets(accuracy: float) -> Finding:
 
 def long_run() -> Iterator[HardCase]:
     """Yield free oscillations during 10 and 1000 revolutions of the hub."""
-    promise = "energy in the hub's frame changes by {0:g} a turn at most, the requested accuracy"
+    promise = (
+        "energy in the hub's frame changes by at most {0:g} per revolution, the requested accuracy"
+    )
     for turns, accuracy in ((10, 1e-9), (1000, 1e-6)):
         name = f"{turns} hub turns, accuracy {accuracy:g}"
         yield hard_case(name, promise.format(accuracy), _swings, accuracy, turns)
@@ -191,7 +195,12 @@ def _swings(accuracy: float, turns: int) -> Finding:
     )
     energy = turning + field * (1.0 - np.cos(run.relative_angle))
     return all_of(
-        within((energy[-1] / energy[0] - 1.0) / turns, accuracy, "change a turn", run.cost.steps),
+        within(
+            (energy[-1] / energy[0] - 1.0) / turns,
+            accuracy,
+            "change per revolution",
+            run.cost.steps,
+        ),
         Finding(
             f"{run.hub_angle[-1] - run.hub_angle[0]:.9g} rad turned",
             run.stop_reason is StopReason.END,

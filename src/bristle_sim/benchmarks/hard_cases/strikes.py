@@ -58,7 +58,9 @@ sticks (stick)."""
 
 def mass_ratio() -> Iterator[HardCase]:
     """Yield impacts of two rods whose ratio of masses is 1e-9, 1e-3 or 1e12."""
-    promise = f"phases of the closed form, its rates and impulse to {TWO_ROD_ROUNDING:g}, e* of 0, 0.5 and 1"
+    promise = (
+        f"phases, rates and impulse of the closed form, to {TWO_ROD_ROUNDING:g}; e* = 0, 0.5 and 1"
+    )
     for ratio, motion in ((1e-9, "slip"), (1e-3, "reverse slip"), (1e12, "stick")):
         rates, friction = MOTIONS[motion]
         rods = Chain((ratio, 1.0), (1.0, 1.0), ANGLES, rates)
@@ -116,9 +118,7 @@ def jam() -> Iterator[HardCase]:
         ]
         limit = ROUNDINGS * EPSILON * (1.0 + 1.0 / distance) / math.sin(2.0 * ROD_ANGLES[0])
         name = f"rod pulled, friction {distance:g} off the jam"
-        promise = (
-            f"outcome and numbers of the closed form, to {ROUNDINGS} roundings over that distance"
-        )
+        promise = f"outcome and numbers of the closed form, to {ROUNDINGS} rounding errors divided by that distance"
         yield hard_case(name, promise, agrees_with_closed_form, strikes, limit)
     (normal, coupling), (_, tangential) = contact_inverse_mass(TWO_RODS).tolist()
     edges = {"sticks": abs(coupling) / tangential, "presses on": normal / abs(coupling)}
@@ -127,9 +127,7 @@ def jam() -> Iterator[HardCase]:
         name = f"two rods, 1e-06 off the friction that {motion}"
         promise = f"rebound; phases, impulse and rates of the closed form to {TWO_RODS_LIMIT:.0e}"
         yield hard_case(name, promise, agrees_with_closed_form, strikes, TWO_RODS_LIMIT)
-    promise = (
-        "strike and end as in the reference to 1e-7; jams, by name, above it if the tip is pushed"
-    )
+    promise = "strike and last state as in the reference, to 1e-7; above it a pushed tip jams"
     for name, tool, start in (("default pass", TOOL, {}), ("pass, tip pushed", LEANING, THROWN)):
         yield hard_case(
             f"{name}, friction 0.001 off the jam", promise, _passes_near_jam, tool, start
@@ -177,7 +175,7 @@ def grazing() -> Iterator[HardCase]:
         yield hard_case(name, promise, agrees_with_closed_form, strikes, limit)
     for obstacle, depth in (("workpart", 1e-9), ("bar", 1e-12)):
         name = f"tip's circle {depth:g} into the {obstacle}"
-        promise = f"touches, there to {TOUCH_GAP:g} of the length"
+        promise = f"touches; the gap is then at most {TOUCH_GAP:g} of the bristle's length"
         yield hard_case(name, promise, _touches, obstacle, depth)
     yield hard_case("tip's circle 1e-12 past the bar", "no touch", _misses, 1e-12)
     name = "three contacts at one instant: bar at a wire's joint, tip at the workpart"
