@@ -1,4 +1,4 @@
-"""``--sweep KEY=FROM:TO:N``: runs a scenario over values of one or two parameters.
+"""``--sweep KEY=FROM:TO:N``: runs a scenario for several values of one or two parameters.
 
 The quantities are shown as table, JSON, CSV, lines or maps.
 """
@@ -224,7 +224,7 @@ def _column(series: Series, rows: Any) -> list[str]:
 def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
     """Return a title and a list of words as lines of limited width, below an empty line.
 
-    If there are no words, there are no lines.
+    Without words, the result is empty.
     """
     words = f"{title}: {', '.join(parts)}"
     return ["", *textwrap.wrap(words, WIDTH, subsequent_indent="  ")] if parts else []
@@ -233,7 +233,7 @@ def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
 def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
     """Return the lines of a table of the lowest and highest value of each quantity.
 
-    The table also has the values of the swept parameters at which they occur.
+    Beside each of them stand the values of the swept parameters at which it occurs.
     """
     import numpy as np
 

@@ -243,8 +243,8 @@ def _held_at_end(passes: Passes, square: Array) -> Turns:
 def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:
     """Return whether friction locks each wire on the bar.
 
-    It does if no normal force on the wire, together with its friction force, turns the wire away
-    from the bar.
+    A wire is locked if no normal force on it, together with the friction force, rotates the wire
+    away from the bar.
     """
     touch = levers(passes, pose_of(hub_angle, angle, rate))
     rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential

@@ -194,7 +194,7 @@ def first_closing(
     """
 
     def gap_of(numbers: Chosen) -> Callable[[Array], tuple[Array, Array]]:
-        """Return the function of the hub's rotation (rad) that returns gaps and their derivatives.
+        """Return a function of the hub's rotation (rad) that computes gaps and their derivatives.
 
         ``numbers`` selects the passes among those in ``chosen``.
         """

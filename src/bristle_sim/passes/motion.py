@@ -106,7 +106,8 @@ class Course(NamedTuple):
     def motion(self, chosen: Chosen) -> Callable[[Array], tuple[Array, Array]]:
         """Return a function of the hub's rotation (rad) for the chosen passes.
 
-        It returns their relative angles (rad), and the derivatives with respect to the hub angle.
+        The function computes their relative angles (rad), and the derivatives with respect to the
+        hub angle.
         """
         if len(chosen) == self.angle.shape[1]:
             return self.at

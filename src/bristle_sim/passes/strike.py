@@ -43,7 +43,8 @@ class Blow(NamedTuple):
 
 
 def strike(passes: Passes, values: dict[str, Array], accuracy: float) -> dict[str, Array]:
-    """Return the results of a strike by the names of ``Ensemble``, in SI units.
+    """Return the results of each strike in SI units, by the names of the attributes of
+    ``Ensemble``.
 
     The impact law is evaluated a second time, with the wire's angle and angular velocity perturbed
     by the accuracy. The relative change of the normal impulse shows how much the impact magnifies

@@ -120,9 +120,9 @@ class Trajectory(Motion):
     def accuracy_not_reached(self) -> str:
         """A warning if the error estimate exceeds the requested accuracy more than a hundredfold.
 
-        It is empty otherwise. The warning states the remedy. It begins with "accuracy not reached"
-        if the estimate is valid for the whole run. The validity may end earlier, at chatter or at a
-        touch slower than the error.
+        The text is empty otherwise. The warning states the remedy. If the estimate is valid for the
+        whole run, the warning begins with "accuracy not reached". The validity may end earlier: at
+        chatter, or at a touch slower than the error.
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")

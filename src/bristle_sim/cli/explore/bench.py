@@ -119,7 +119,7 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
     """Simulate the pass of a tool with changed parameters, and return the results for the page.
 
     Args:
-        pass_of: the scenario of the whole pass.
+        pass_of: the scenario that simulates a pass.
         start: assignments ``KEY=VALUE`` of the tool that the page shows first.
         typed: assignments that the user has typed; they override ``start``.
     """

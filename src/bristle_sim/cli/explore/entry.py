@@ -21,7 +21,7 @@ MOST_PORTS = 65535
 
 
 def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
-    """Show an interactive page in a notebook: a control for every parameter of a tool, and its
+    """Show an interactive page in a notebook, with a control for every parameter of a tool and its
     pass.
 
     Args:
@@ -29,8 +29,7 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
         height: height of the frame, px.
 
     Returns:
-        The frame, which a notebook shows. This Python process serves the page as long as the
-            process runs.
+        The frame, which a notebook shows. The page works until this Python process ends.
     """
     from bristle_sim.cli.explore.bench import assignments_of
     from bristle_sim.cli.explore.server import serve
@@ -42,7 +41,12 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Run ``bristle-sim explore``: serve the interactive page of a tool until Ctrl-C; return 0.
+    """Serve the interactive page of a tool until Ctrl-C, and return the exit status 0.
+
+    Args:
+        pass_of: the scenario that simulates a pass.
+        parser: parser to which the options of the command are added.
+        arguments: arguments of the command.
 
     Raises:
         ValueError: for bad input.
