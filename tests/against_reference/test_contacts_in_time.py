@@ -96,6 +96,34 @@ def test_a_stick_that_begins_on_the_friction_cone(accuracy: float) -> None:
     assert found.rates_after == pytest.approx(exact.rates_after, rel=10.0 * accuracy)
 
 
+@pytest.mark.parametrize("friction", [0.113, 0.121, 0.126])
+def test_a_foot_that_stops_at_an_instant_known_to_rounding(friction: float) -> None:
+    """Its velocity there is rounding of either sign, more than that of a slip velocity: so stiff is the spring."""
+    tool = bs.Tool().replace(
+        hub_speed="662.75rpm",
+        hub_radius="40.672mm",
+        belt_stiffness=0.005839,
+        bristle_length="48.62mm",
+        bristle_mass="366.53mg",
+        wire_diameter="1.525mm",
+        bar_radius="1.3795mm",
+        bar_horizontal="62.05mm",
+        bar_vertical="46.233mm",
+        bar_friction=1.0,
+        bar_restitution=0.66822,
+        friction=friction,
+        restitution=0.83317,
+        penetration="7.1882mm",
+        contact="compliant",
+        contact_duration="0.018444ms",
+        tangential_compliance=1.875,
+    )
+    exact = simulate_reference(tool, accuracy=1e-9, stop_after="workpart release")
+    run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY), stop_after="workpart release")
+    assert exact.stop_reason == run.stop_reason == "requested event"
+    assert run.rates[-1] == pytest.approx(exact.rates[-1], rel=10.0 * ACCURACY)
+
+
 @pytest.mark.parametrize("restitution", [0.42, 0.0])
 def test_a_run_that_ends_with_its_strike(restitution: float) -> None:
     """Both end when the contact of the strike is over, and record it."""

@@ -48,10 +48,16 @@ def close_contact(system: System, name: str, piece: int, state: State) -> State:
     return decide(system, state, new)
 
 
-def decide(system: System, state: State, new: Point | None = None) -> State:
+def decide(
+    system: System, state: State, new: Point | None = None, stopped: Compliant | None = None
+) -> State:
     """Resolve impacts at the closed contacts, then determine which contacts stay closed.
 
-    ``new`` is the point of a contact that begins in this state.
+    Args:
+        system: the system.
+        state: the state at the event.
+        new: point of a contact that begins in this state.
+        stopped: contact in which the foot of the tangential spring has just stopped.
 
     Returns:
         The state after the impacts.
@@ -75,7 +81,7 @@ def decide(system: System, state: State, new: Point | None = None) -> State:
     for each in touching:
         touch = instant.touch(each.point)
         if isinstance(each, Compliant):
-            if each.law.compliance:
+            if each.law.compliance and each is not stopped:
                 _set_foot(each, touch, system.slip_rounding(state))
         elif abs(touch.velocity[0]) > still:
             continue
@@ -217,13 +223,27 @@ def change_phase(system: System, each: Compliant, state: State) -> State:
 
     The tangential force stays the same unless it would lie outside the new friction cone.
     """
+    _hold_foot(system, each, state)
+    each.loading = not each.loading
+    return decide(system, state)
+
+
+def stop_foot(system: System, each: Compliant, state: State) -> State:
+    """Let the foot of a tangential spring stick where its slip has fallen to zero.
+
+    The slip velocity at the located instant is rounding error of either sign, so it cannot decide.
+    """
+    _hold_foot(system, each, state)
+    return decide(system, state, stopped=each)
+
+
+def _hold_foot(system: System, each: Compliant, state: State) -> None:
+    """Move the foot of a sliding tangential spring to where the spring has the present force."""
     touch = system.at(state).touch(each.point)
     pull = each.rub(touch)
     if each.slip and pull is not None:
         each.anchor = each.law.foot(touch.along, pull)
         each.slip = 0
-    each.loading = not each.loading
-    return decide(system, state)
 
 
 def end_compliant_contact(system: System, each: Compliant, state: State) -> State:

@@ -17,6 +17,7 @@ from bristle_sim.reference.decisions import (
     decide,
     end_compliant_contact,
     end_compression,
+    stop_foot,
 )
 from bristle_sim.reference.forces import normal_response
 from bristle_sim.reference.log import Finished, Record
@@ -276,6 +277,8 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
     event = Event(cone, -1, force, partial(decide, system))
     if slip:  # slip after stick starts from a velocity that is rounding, of either sign
         event = event._replace(value=sliding, resolution=system.slip_rounding(instant.state))
+        if isinstance(each, Compliant) and each.law.compliance:
+            event = event._replace(follow=partial(stop_foot, system, each))
     return event.ahead(instant)
 
 
