@@ -56,8 +56,8 @@ __all__ = [
 LEAST_COMPLIANCE = 1e-4
 """Smallest tangential compliance eta^2 at which the springs are followed.
 
-Each swing of the tangential spring is a phase, and there are some 0.65/eta phases. Below this value
-the impact is a weighted mean of the rigid impact and the one at this value."""
+Each oscillation of the tangential spring is a phase, and there are some 0.65/eta phases. Below this
+value the impact is a weighted mean of the rigid impact and the impact at this value."""
 
 
 def energetic_impact(
@@ -71,33 +71,29 @@ def energetic_impact(
 ) -> Impact:
     """Resolve an impact with Coulomb friction and Stronge's energetic coefficient of restitution.
 
-    Restitution ends where its normal work is W_r = -e*^2 W_c, W_c being the normal work of
-    compression (Zhang 2020, eq. 2.46). The impact never gains energy, whatever the inverse mass
-    matrix, the slip and the friction.
+    The normal works W_c of compression and W_r of restitution satisfy W_r = -e*^2 W_c (Zhang 2020,
+    eq. 2.46). Whatever the inverse mass matrix, the slip and the friction, the impact gains no
+    energy.
 
     Args:
-        inverse_mass: inverse mass matrix K of the contact point, the change of its velocity per
-            unit impulse, 1/kg. It is symmetric and positive semidefinite, in the order (normal,
-            tangential), shape (..., 2, 2).
-        velocity: (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s; v_n < 0
-            approaches.
-        friction: Coulomb's coefficient of friction, shape (...). It holds only in compression if
-            restitution_friction is given.
+        inverse_mass: inverse mass matrix K of the contact point, 1/kg: the change of the point's
+            velocity per unit impulse. It is symmetric and positive semidefinite, in the order
+            (normal, tangential), shape (..., 2, 2).
+        velocity: velocity (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s.
+            The bodies approach if v_n < 0.
+        friction: Coulomb's coefficient of friction, shape (...). If restitution_friction is given,
+            it holds only in compression.
         restitution: energetic coefficient of restitution e*, in [0, 1], shape (...).
         restitution_friction: coefficient of friction in restitution, by default equal to
             ``friction``.
-        stick_compliance: change of v_n per unit normal impulse while the point does not slip,
-            K_nn - K_nt^2/K_tt, 1/kg. Give it if it is known more accurately than from K: at a mass
-            ratio of 1e12 the difference keeps only four digits.
+        stick_compliance: change of v_n per unit normal impulse while the point does not slip, K_nn
+            - K_nt^2/K_tt, 1/kg. Give it if it is available with more digits than K has: at a mass
+            ratio of 1e12 the difference has only four correct digits.
         tangential_compliance: ratio eta^2 of the contact's normal to its tangential stiffness, from
             0 (rigid along the surface) to 1e4, shape (...). Two bodies of one elastic material have
             (2 - nu)/(2 (1 - nu)), nu being Poisson's ratio (``impact_compliance``). Below 1e-4 the
-            result is a mean of the rigid impact and the impact at 1e-4, weighted linearly in eta,
-            so that it is continuous. Measured for 20,000 random K (correlation up to 0.95, ratio of
-            the entries up to 100, friction <= 2): the impulse at 1e-4 differs from the rigid
-            impulse by less than 30 eta times its largest component. The mean differs from the
-            impulse on springs by less than 15 eta. In half of the cases the differences are below
-            0.001 eta.
+            result is a mean of the rigid impact and of the impact at 1e-4, weighted linearly in
+            eta, so that it is continuous.
 
     Returns:
         The impact, with floats for a single impact and arrays of the broadcast shape otherwise.
@@ -106,8 +102,15 @@ def energetic_impact(
         ValueError: for values that are not finite or out of range, for an inverse mass that is not
             symmetric positive semidefinite, and for impulses or works too large for a float.
 
+    The error of the mean below eta^2 = 1e-4 was measured for 20,000 random K (correlation up to
+    0.95, ratio of the entries up to 100, friction <= 2), relative to the largest component of the
+    impulse. The impulse at 1e-4 differs from the rigid impulse by less than 30 eta, the mean from
+    the impulse on springs by less than 15 eta. In half of the cases both differences are below
+    0.001 eta.
+
     A body of 1 kg slips throughout. The normal impulse is 1 N s in compression and 0.5 N s in
-    restitution, whose work is 0.25 times the work of compression. Friction takes 0.2 times 1.5 N s.
+    restitution, whose work is 0.25 times that of compression. The friction impulse is 0.2 times 1.5
+    N s.
 
     >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 0.2, 0.5)
     >>> impact.velocity_normal, round(impact.velocity_tangential, 12), impact.impulse_normal
@@ -161,10 +164,11 @@ def newton_impact(
     """Resolve an impact with Coulomb friction and Newton's coefficient of restitution.
 
     The normal velocity after the impact is -e times the normal velocity before it. Arguments,
-    result and errors are those of ``energetic_impact``. This law serves for comparison: where slip
-    stops or reverses, the impact can gain energy, as in Kane and Levinson's double pendulum
-    (*Dynamics: Theory and Applications*, 1985). The tangential compliance must be 0, since springs
-    do not prescribe the velocity of separation.
+    result and errors are those of ``energetic_impact``. The tangential compliance must be 0, since
+    springs do not prescribe the velocity of separation.
+
+    This law serves for comparison only: where slip stops or reverses, the impact can gain energy.
+    An example is Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985).
 
     A body of 1 kg that approaches at 2 m/s leaves at half that speed.
 
@@ -204,9 +208,11 @@ def _resolve(
     stick_compliance: Any,
     tangential_compliance: Any,
 ) -> Impact:
-    """Check the arguments and resolve the impacts, rigid or on springs.
+    """Check the arguments of one of the laws, and resolve the impacts.
 
-    An impact is rigid if its tangential compliance is 0. ``end`` gives the end of restitution.
+    ``end`` is the function by which the laws differ: it returns the normal impulse at which
+    restitution ends. The other arguments are those of ``energetic_impact``. Impacts with a
+    tangential compliance are resolved on springs, all others as rigid.
     """
     later = friction if restitution_friction is None else restitution_friction
     given = {"friction": friction, "restitution": restitution, "restitution_friction": later}
@@ -234,9 +240,10 @@ def _resolve(
 
 
 def _check_result(impact: Impact, arguments: Arguments) -> None:
-    """Raise ValueError if an impulse, a velocity or a bound of the works of an impact is not finite.
+    """Raise ValueError if an impulse, a velocity or a bound of an impact's works is not finite.
 
-    Such a value has overflowed, or the inverse mass is too small to be inverted.
+    Such a value has overflowed, or the inverse mass is too small to be inverted. ``arguments`` are
+    those of the impact, for the message.
     """
     normal = arguments["normal"]
     tangential = arguments["tangential"]
@@ -255,9 +262,9 @@ def _check_result(impact: Impact, arguments: Arguments) -> None:
 def _row(end: End, squared: Number, values: Arguments) -> Impact:
     """Resolve a one-dimensional array of impacts, rigid or with tangential springs.
 
-    ``squared`` holds the tangential compliances eta^2. Where one is below ``LEAST_COMPLIANCE``, the
-    result is a mean of the rigid impact and the impact on springs. Without friction the tangential
-    spring has no force, and the impact is rigid.
+    Where the tangential compliance eta^2 (``squared``) is below ``LEAST_COMPLIANCE``, the result is
+    a mean of the rigid impact and of the impact on springs. Without friction the tangential spring
+    has no force, and the impact is rigid.
     """
     impact = resolve_phases(**values, end=end)
     rubs = (values["friction"] > 0.0) | (values["restitution_friction"] > 0.0)
@@ -277,14 +284,16 @@ def _row(end: End, squared: Number, values: Arguments) -> Impact:
 
 
 def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
-    """Return the weighted mean of a rigid impact and an impact on springs.
+    """Return the weighted mean of rigid impacts and impacts on springs.
 
-    ``weight`` is the weight w of the impact on springs. Where the outcomes differ and w < 1, the
-    rigid impact is returned. The mean keeps Coulomb's limit and the normal works, which are linear
-    in the impulses. The kinetic energy is a convex function of the impulse, so the mean impulse
-    leaves less energy than the mean of the energies, by w (1 - w) dp.dv/2 with the differences dp
-    and dv of the two impacts. This energy is added to the work of friction in the last phase. The
-    phases and the end of slip are those of the rigid impact.
+    ``weight`` is the weight w of the impacts on springs. Where the outcomes differ and w < 1, the
+    rigid impact is returned. The mean obeys Coulomb's law, and its normal works are right, because
+    both are linear in the impulses. Phases and the end of slip are those of the rigid impact.
+
+    The kinetic energy is a convex function of the impulse. The mean impulse therefore leaves less
+    energy than the mean of the energies, by w (1 - w) dp.dv/2 with the differences dp of the
+    impulses and dv of the velocities. This energy is added to the work of friction in the last
+    phase.
     """
     weight = np.where((rigid.outcome == springs.outcome) | (weight == 1.0), weight, 0.0)
     means = {}

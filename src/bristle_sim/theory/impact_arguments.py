@@ -11,14 +11,15 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Number
 from bristle_sim.theory.numbers import numbers
 
-MOST_FRICTION = 1e150  # largest coefficient of friction, so that impulses do not overflow
-MOST_COMPLIANCE = (
-    1e4  # largest tangential compliance eta^2: the impact then hardly feels the spring
-)
+MOST_FRICTION = 1e150  # largest coefficient of friction for which impulses do not overflow
+# Largest tangential compliance eta^2. The tangential spring is then so soft that it hardly matters.
+MOST_COMPLIANCE = 1e4
 
 ROUNDING = 1e-9
-"""Relative rounding error that is accepted in an inverse mass: the difference of its two couplings,
-and twice the excess of a coupling over the mean of the diagonal."""
+"""Largest relative rounding error that is accepted in an inverse mass matrix.
+
+The errors are the difference K_nt - K_tn, and twice the amount by which |K_nt| exceeds sqrt(K_nn
+K_tt); both are divided by this root."""
 
 COEFFICIENTS = {
     "friction": (MOST_FRICTION, f"from 0 to {MOST_FRICTION:g} (dimensionless)"),
@@ -27,7 +28,7 @@ COEFFICIENTS = {
     "stick_compliance": (sys.float_info.max, "finite and >= 0 (1/kg)"),
     "tangential_compliance": (MOST_COMPLIANCE, f"from 0 to {MOST_COMPLIANCE:g} (dimensionless)"),
 }
-"""Largest value of each coefficient, and its rule for messages; the smallest value is 0."""
+"""Largest value of each coefficient, and the text of its range for messages. The least is 0."""
 
 Arguments = dict[str, Number]
 """Arguments by name: the entries ``k_nn``, ``k_nt`` and ``k_tt`` of the inverse mass, the velocity
@@ -35,10 +36,10 @@ Arguments = dict[str, Number]
 
 
 def single_impact(inverse_mass: Any, velocity: Any, coefficients: Arguments) -> Arguments | None:
-    """Return the arguments of one impact as floats, or None if they need the conversion of arrays.
+    """Return the arguments of a single impact as floats, or None if they are not plain floats.
 
-    This is the fast way for a pymunk space, which has one impact at a time. The inverse mass must
-    be an array, the velocity a tuple, and all coefficients floats; otherwise the result is None.
+    This saves time for the engine's contacts, which come one at a time. The inverse mass must be an
+    array, the velocity a tuple, and all coefficients floats; otherwise the result is None.
     """
     if type(inverse_mass) is not np.ndarray or inverse_mass.shape != (2, 2):
         return None
@@ -55,10 +56,10 @@ def single_impact(inverse_mass: Any, velocity: Any, coefficients: Arguments) -> 
 def impacts_of(
     inverse_mass: ArrayLike, velocity: ArrayLike, coefficients: dict[str, ArrayLike]
 ) -> tuple[Arguments, tuple[int, ...]]:
-    """Return the arguments of an array of impacts, and the shape to which they broadcast.
+    """Return the arguments of an array of impacts by name, and the shape to which they broadcast.
 
     Raises:
-        ValueError: for arguments that are no numbers, out of range, or of shapes that do not
+        ValueError: for an argument that is not a number or is out of range, or if the shapes do not
             broadcast.
     """
     given = {"inverse_mass": inverse_mass, "velocity": velocity, **coefficients}
@@ -93,7 +94,11 @@ def _checked(
     tangential: Number,
     coefficients: Arguments,
 ) -> Arguments:
-    """Return the arguments by name after a check of their ranges."""
+    """Check the ranges of the arguments, and return the arguments by name.
+
+    Raises:
+        ValueError: for an argument out of its range.
+    """
     matrix = (k_nn, k_nt, k_tn, k_tt)
     speeds = (normal, tangential)
     most = sys.float_info.max
@@ -120,9 +125,9 @@ def _checked(
 
 
 def first_text(values: tuple[Number, ...], holds: Number) -> str:
-    """Return, for an error message, the values at the first place where a rule is broken, as text.
+    """Return the first values for which a condition is false, as text for an error message.
 
-    ``holds`` is true where the rule is kept.
+    ``holds`` is the condition; it broadcasts with every entry of ``values``.
     """
     broken = np.logical_not(holds)
     text = ", ".join(f"{np.broadcast_to(each, broken.shape)[broken][0]:g}" for each in values)

@@ -64,36 +64,37 @@ from bristle_sim.theory.impact_phases import (
 )
 from bristle_sim.theory.impact_springs import Contact, begun_slip, slide, stick
 
-# Energetic coefficient of restitution below which 0 is used: the work that the spring returns would
-# be less than the rounding error of the work that it took.
+# Energetic coefficient of restitution below which 0 is used. The work that the spring returns would
+# be less than the rounding error of the work that loads it.
 LEAST_RESTITUTION = 1e-8
-# Largest coefficient of friction used; its cone differs from a half-plane by parts in 1e12.
+# Largest coefficient of friction that is used. Its cone differs from a half-plane by 1e-12 rad.
 WIDEST_CONE = 1e12
 
 MOST_IN_STICK = 10_000
-"""Largest number of consecutive phases of stick in which the fast oscillation is followed.
+"""Largest number of consecutive phases of stick in which the fast oscillation is computed.
 
-Later phases begin without it, as if it were lost; the cost is proportional to the number. With a
-nearly singular inverse mass matrix K the two natural rates differ a thousandfold, and the contact
-alternates between loading and unloading, 2,690 times at det K = 2e-5 K_nn K_tt."""
+Later phases begin without this oscillation, as if its energy were lost. The cost is proportional to
+the number. With a nearly singular inverse mass matrix K the two natural angular frequencies differ
+by a factor of a thousand, and the contact alternates between loading and unloading: 2,690 times at
+det K = 2e-5 K_nn K_tt."""
 
 SETTLING = 120
 LEAST_RESOLVED = 2e-3
 """Largest number of phases of stick in two special cases, instead of ``MOST_IN_STICK``.
 
 The first case is a jam of one degree of freedom, which further phases do not change. The second
-case is a coefficient of restitution e* below ``LEAST_RESOLVED``: the steep unloading spring makes
-the point bounce some 1/e* times. There the lost oscillation changes the velocity by up to an
-eighth, in one impact of fifty."""
+case is a coefficient of restitution e* below ``LEAST_RESOLVED``. The steep unloading spring then
+makes the point bounce some 1/e* times. In one of fifty such impacts the loss of the oscillation
+changes the velocity, by up to an eighth."""
 
 CHATTER = 500
 FURTHER = 20
-"""Number of returns from unloading to loading before the slip is halved, and number of further
-returns before each further halving.
+"""Number of changes from unloading to loading before the slip velocity is first halved, and number
+of further changes before each further halving.
 
-With more friction in unloading than in loading, slip can press the point back as soon as it begins
-to separate. In one of some thousand impacts this happens a million times, and each return changes
-the slip by less than a millionth."""
+If friction is larger in unloading than in loading, slip can press the point back as soon as the
+point begins to separate. In about one of a thousand impacts this occurs a million times, and each
+change reduces the slip velocity by less than a millionth."""
 # Coefficient of restitution e* below which phases of slip are counted like phases of stick: the
 # steep unloading spring makes the point bounce some 1/e* times.
 LEAST_EXACT = 0.01
@@ -102,7 +103,11 @@ MOTION = Contact._fields.index("normal")  # index of the first entry of ``Contac
 
 
 def _turned(contact: Contact, event: Number) -> Contact:
-    """Return the contacts after the events that ended a phase, ready for the next phase."""
+    """Return the contacts with the changes that an event makes, at the start of the next phase.
+
+    An event can change the stiffness, the coefficient of friction, the tangential force and the
+    sense of slip.
+    """
     line = event == LINE
     loading = contact.loading > 0.0
     deepest = line & loading
@@ -128,15 +133,21 @@ def _turned(contact: Contact, event: Number) -> Contact:
 
 
 class _Contacts:
-    """The present state of an array of contacts, and their impulses and works so far.
+    """The present state of an array of n contacts, and their impulses and works so far.
 
-    ``rows`` has one row per entry of ``Contact`` and one column per contact. ``totals`` holds normal
-    and tangential impulse, normal and tangential work, and slip, by the four phases of
-    ``impact_phases.PHASES``, shape (5, 4, n). The second phase of compression collects everything
-    after the first stick or slip; the second phase of restitution does the same. When a point is
-    pressed deeper than before, everything up to then counts as compression. ``balanced`` and
-    ``velocity`` hold the totals and the velocity at the instant at which the forces on a point of
-    one degree of freedom are first in balance or its loading ends; until then ``moves`` is set.
+    If a contact in unloading is pressed beyond its deepest penetration, everything up to then
+    counts as compression.
+
+    Attributes:
+        rows: entries of ``Contact``, one row each, with one column for each contact.
+        totals: normal and tangential impulse, normal and tangential work, and slip, for each of the
+            four phases of ``impact_phases.PHASES``, shape (5, 4, n). The phase "after slip"
+            collects everything after the first stick or slip.
+        row: index of the present phase in ``totals``.
+        moves: whether neither a balance of forces nor the end of loading has occurred yet. It
+            matters for points with one degree of freedom.
+        balanced, velocity: ``totals`` and the velocity at the instant at which ``moves`` becomes
+            false.
     """
 
     def __init__(self, contact: Contact) -> None:
@@ -155,9 +166,9 @@ class _Contacts:
         self.velocity = np.zeros((2, size))
 
     def advance(self, active: Number) -> Number:
-        """Advance contacts by one phase; return the indices of those that have not ended.
+        """Advance contacts by one phase, and return the indices of those that have not ended.
 
-        ``active`` holds the indices of the contacts to be advanced.
+        ``active`` holds the indices of the contacts to advance.
         """
         slips = self.rows[-1, active] != 0.0
         going = [active[:0]]
@@ -178,17 +189,17 @@ class _Contacts:
     def note(
         self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]
     ) -> Number:
-        """Add the impulses and works of a phase, or of a part of one, to the totals.
+        """Add the impulses and works of a phase to the totals, and note which contacts have ended.
 
         Args:
             at: indices of the contacts.
             before: contacts before the phase.
             after: contacts after the phase.
             event: events that ended the phase.
-            done: normal and tangential impulse, normal and tangential work.
+            done: normal impulse, tangential impulse, normal work and tangential work of the phase.
 
         Returns:
-            Whether each of these contacts has ended.
+            For each contact in ``at``, whether it has ended.
         """
         row = self.row[at]
         loading = before.loading > 0.0
@@ -214,7 +225,7 @@ class _Contacts:
         return over
 
     def set_back(self) -> None:
-        """Set contacts that end in a jam or in stiction back to the instant of their balance."""
+        """Set contacts that end in a jam or stiction back to the instant of ``balanced``."""
         at = np.flatnonzero(np.isin(self.outcome, (JAM, STICTION)) & ~self.moves)
         self.rows[MOTION : MOTION + 2, at] = self.velocity[:, at]
         self.totals[..., at] = self.balanced[..., at]
@@ -222,9 +233,14 @@ class _Contacts:
     def turn(
         self, at: Number, before: Contact, after: Contact, event: Number, over: Number
     ) -> None:
-        """Set the contacts to their states after the events, and choose the phases of their totals.
+        """Store the states of contacts after their events, and choose the phases of their totals.
 
-        ``at`` holds the indices of the contacts. ``over`` tells which of them have ended.
+        Args:
+            at: indices of the contacts.
+            before: contacts before the phase that has ended.
+            after: contacts after their events.
+            event: events that ended the phase.
+            over: whether each contact has ended.
         """
         self.rows[MOTION:, at] = after[MOTION:]
         line = event == LINE
@@ -242,10 +258,10 @@ class _Contacts:
         self.slip_stop[stops] = self.totals[0][:, stops].sum(axis=0)
 
     def rest(self, at: Number) -> None:
-        """Halve the slip of contacts that alternate too often between loading and unloading.
+        """Halve the tangential velocity of contacts that alternate too often between two phases.
 
-        The mean friction force over the alternation keeps the normal velocity unchanged. ``at``
-        holds the indices of the contacts.
+        The two phases are loading and unloading. During these changes the mean friction force keeps
+        the normal velocity constant. ``at`` holds the indices of the contacts.
         """
         contact = Contact(*self.rows.take(at, axis=1))
         speed = contact.tangential
@@ -261,8 +277,8 @@ class _Contacts:
 def compliant_impact(values: Arguments, squared: Number) -> Impact:
     """Resolve impacts on a normal spring with energetic restitution and a tangential spring.
 
-    ``values`` holds arrays of shape (n,), with K_nn > 0 and v_n < 0. ``squared`` is the ratio eta^2
-    > 0 of the normal to the tangential stiffness, shape (n,).
+    ``values`` holds the arguments by name as arrays of shape (n,), with K_nn > 0 and v_n < 0.
+    ``squared`` is the ratio eta^2 > 0 of the normal to the tangential stiffness, shape (n,).
     """
     k_nn = values["k_nn"]
     normal = values["normal"]

@@ -37,12 +37,12 @@ NAMES = np.array([BACKWARD, FORWARD, LINE])
 """Event at a zero of each event function."""
 
 NOISE = 64.0 * sys.float_info.epsilon
-"""Rounding error of an event function as a fraction of its largest term; a smaller value counts as
-zero."""
+"""Rounding error of an event function, as a fraction of its largest term. A function of a smaller
+magnitude counts as zero."""
 
 LEAST_STEP = 1e-6
-"""Step away from a point where an event function and its slope are zero, over the time scale of the
-fast mode.
+"""Time step away from an instant at which an event function and its slope are zero, multiplied by
+the natural angular frequency of the fast mode.
 
 In this step the function changes by 1e-18 of its amplitude."""
 
@@ -50,53 +50,60 @@ In this step the function changes by 1e-18 of its amplitude."""
 # the event function past zero.
 STRAIGHT = 1e-8
 
-FEW = 8  # 1/FEW is the smallest fraction of contacts worth gathering or leaving to the next round
+FEW = 8  # a round stops when at most 1/FEW of its contacts are without an event
 
-STEPS = 12  # largest number of steps in a round; contacts without an event wait for the next round
+STEPS = 12  # largest number of steps in a round; contacts without an event go to the next round
 
-# Distance, over the time scale of the fast mode, from which the third-order Taylor polynomial gives
-# a root: its error is NEAR^4/24 = 3e-15.
+# Time to a root, multiplied by the natural angular frequency of the fast mode, below which the
+# third-order Taylor polynomial gives the root. Its error is NEAR^4/24 = 3e-15.
 NEAR = 5e-4
 
 REACH = 2.0
 TANGENT = 1.2
-"""Longest steps that the bound of f''' may give: over the time scale of the fast mode, and over the
-distance of the tangent's root."""
+"""Two limits of a step that follows from the bound of f'''. ``REACH``: the step multiplied by the
+natural angular frequency of the fast mode. ``TANGENT``: the step divided by the time to the
+tangent's root."""
 
-# Fraction used of the step over which, by the bound of f''', a rising convex function stays convex.
+# Step that is taken, as a fraction of the step in which a rising convex function stays convex by
+# the bound of f'''.
 CONVEX = 0.9
 
-# Fraction of the fast oscillation's amplitude that is assumed reached; a function that comes to
-# zero only by the remainder counts as a near miss.
+# Fraction of its amplitude that the fast oscillation is assumed to reach. A function that would
+# reach zero only with the full amplitude counts as a near miss.
 GRAZE = 1.0 - 1e-13
 
 # Third derivative, as a fraction of its bound, below which a function counts as zero throughout if
 # its lower derivatives are rounding error.
 FLAT = 1e-10
 
-WIDE = 1e3  # rounding error of a function that stays zero, over the rounding error of its terms
+WIDE = 1e3  # rounding error of a function that stays zero, divided by that of its terms
 
 TINY = 1e-290  # added to a dividend so that 0/0 becomes infinite; other values do not change
 
-LEAST_RATE = 1e-300  # squared rate used in place of zero, against division by zero
+# Squared natural angular frequency that is used in place of zero, to avoid a division by zero.
+LEAST_RATE = 1e-300
 
 
 class Modes(NamedTuple):
-    """Constants of a phase of stick for its two modes and its three event functions.
+    """Constants of n contacts in stick: of their two modes and of their three event functions.
 
-    The modes are the fast and the slow oscillator; each has a velocity w and a force G. The event
-    functions are zero at the two edges of the friction cone and at the end of loading or unloading.
+    In stick a contact is a pair of oscillators, the fast and the slow mode, in this order. Each has
+    a velocity w and a force G. The first two event functions are zero at the two edges of the
+    friction cone, the third one at the end of loading or unloading. They are c + sum_m [a_m
+    cos(omega_m t) + b_m sin(omega_m t)/omega_m].
 
     Attributes:
-        speeds: velocities w of the modes at the beginning of the phase, shape (2, n).
-        forces: forces G of the modes at the beginning of the phase, shape (2, n).
-        squares: squared natural rates of the modes, shape (2, n).
-        rates: natural rates of the modes, never zero, shape (2, n).
-        cosines: factors a of the event functions, shape (2, 3, n).
-        sines: factors b of the event functions, shape (2, 3, n).
-        bends: bounds of the second derivatives of the event functions' parts, shape (2, 3, n).
-        terms: bounds of the terms whose sums are the coefficients of G in the two edges, (2, n).
-        constant: constant c of the third event function, shape (n,).
+        speeds: velocities w of the modes at the start of the phase, shape (2, n).
+        forces: forces G of the modes at the start of the phase, shape (2, n).
+        squares: squared natural angular frequencies of the modes, shape (2, n).
+        rates: natural angular frequencies of the modes, replaced by a tiny value where zero, shape
+            (2, n).
+        cosines: coefficients a of the event functions, shape (2, 3, n).
+        sines: coefficients b of the event functions, shape (2, 3, n).
+        bends: bounds of the second derivatives of each mode's term, shape (2, 3, n).
+        terms: factors of G from which the rounding error of the first two event functions follows,
+            shape (2, n).
+        constant: constant c of the third event function, shape (n,); those of the others are 0.
         line_noise: rounding error of the third event function, shape (n,).
         loading: whether the contact loads, shape (n,).
         drifts: 0 where the slow mode is at rest, otherwise 1, shape (n,).
@@ -116,14 +123,14 @@ class Modes(NamedTuple):
     drifts: Number
 
     def chosen(self, at: Number) -> Modes:
-        """Return the constants of the contacts with indices ``at``."""
+        """Return the constants of the contacts with the indices ``at`` alone."""
         return Modes(*(np.take(each, at, axis=-1) for each in self))
 
 
 def both(pair: Number) -> Number:
-    """Return the sum over the two modes.
+    """Return the sum over the two modes, the first axis.
 
-    It is faster than NumPy's own sum along so short an axis.
+    For an axis of length two this is faster than NumPy's own sum.
     """
     return pair[0] + pair[1]
 
@@ -131,7 +138,7 @@ def both(pair: Number) -> Number:
 def harmonics(modes: Modes, time: Number) -> tuple[Number, Number, Number]:
     """Return cos(omega t), sin(omega t)/omega and tan(omega t/2)/omega of the two modes.
 
-    A natural rate omega of zero is permitted.
+    omega is the natural angular frequency of a mode; it may be zero.
     """
     # By the tangent of the half angle, at a tenth of the cost of sine and cosine.
     half = np.tan(0.5 * modes.rates * time)
@@ -141,21 +148,22 @@ def harmonics(modes: Modes, time: Number) -> tuple[Number, Number, Number]:
 
 
 def oscillators(modes: Modes, cosine: Number, sine: Number) -> tuple[Number, Number]:
-    """Return the velocities w and the forces G of the two modes.
+    """Return the velocities w and the forces G of the two modes at a time.
 
-    ``cosine`` and ``sine`` are the first two results of ``harmonics``.
+    ``cosine`` and ``sine`` are the first two results of ``harmonics`` for this time.
     """
     speeds = modes.speeds * cosine + modes.squares * modes.forces * sine
     return speeds, modes.forces * cosine - modes.speeds * sine
 
 
 def step_to_event(modes: Modes, settles: Number) -> tuple[Number, Number]:
-    """Advance contacts in stick to their next events, until few are left without an event.
+    """Advance contacts in stick to their next events.
 
-    Where ``settles`` is set, the contact does not advance, and its event is ``SETTLED``.
+    The function stops when only a few contacts are left without an event. A contact for which
+    ``settles`` is true does not advance, and its event is ``SETTLED``.
 
     Returns:
-        The times since the phase began, and the events.
+        The times since the start of the phase, and the events.
     """
     times = np.zeros(settles.size)
     events = np.where(settles, SETTLED, NONE)
@@ -175,9 +183,9 @@ def step_to_event(modes: Modes, settles: Number) -> tuple[Number, Number]:
 
 
 def _step(modes: Modes, time: Number) -> tuple[Number, Number]:
-    """Return, for each contact, a time step that passes no event, and the event at its end.
+    """Return, for each contact, a time step in which no event occurs, and the event at its end.
 
-    A contact that is at an event has a step of 0.
+    The step is 0 for a contact that is at an event already.
     """
     cosine, sine, _ = harmonics(modes, time)
     squares = modes.squares[:, np.newaxis]
@@ -238,7 +246,7 @@ def _step(modes: Modes, time: Number) -> tuple[Number, Number]:
 
 
 def _roundings(modes: Modes, cosine: Number, sine: Number) -> tuple[Number, Number]:
-    """Return the rounding errors of the event functions and of their slopes, shape (3, n)."""
+    """Return the rounding errors of the three event functions and of their slopes, shape (3, n)."""
     speeds, forces = oscillators(modes, cosine, sine)
     edge, slope = (NOISE * both(modes.terms * abs(each)) for each in (forces, speeds))
     return np.array([edge, edge, modes.line_noise]), np.array([slope, slope, 0.0 * slope])
@@ -247,9 +255,10 @@ def _roundings(modes: Modes, cosine: Number, sine: Number) -> tuple[Number, Numb
 def _taylor_root(
     value: Number, slope: Number, bend: Number, third: Number
 ) -> tuple[Number, Number]:
-    """Return the zero of the tangent, and that of the third-order Taylor polynomial near it.
+    """Return the root of the tangent, and the root near it of the third-order Taylor polynomial.
 
-    Both are 0 where the function does not fall.
+    The arguments are a function and its first three derivatives. Both roots are 0 where the slope
+    is not negative.
     """
     tangent = np.where(slope < 0.0, -value / slope, 0.0)
     root = tangent
@@ -260,9 +269,9 @@ def _taylor_root(
 
 
 def _root(value: Number, slope: Number, most: Number) -> Number:
-    """Return the first positive root h of value + slope h - most h^2/2, or infinity without a root.
+    """Return the first positive root h of value + slope h - most h^2/2, or infinity without one.
 
-    The value must be >= 0. The root is computed without cancellation.
+    ``value`` must be >= 0. The formula avoids cancellation.
     """
     square = slope * slope + 2.0 * most * value
     root = np.sqrt(np.maximum(square, 0.0))

@@ -35,7 +35,7 @@ before compression ends, and no impulse can end compression; the rigid-body law 
 """
 
 PHASES = ("compression", "compression after slip", "restitution", "restitution after slip")
-"""The four phases of an impact; a phase that does not occur has a normal impulse of zero."""
+"""Names of the four phases of an impact. A phase that does not occur has no normal impulse."""
 
 KNIFE_EDGE = 1e-6
 """Normal speed, as a fraction of the speed of approach, up to which a sticking point with one
@@ -46,17 +46,17 @@ strike. Such a point neither jams nor rebounds: a rebound with the normal work W
 unbounded impulse W/v_n."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon
-"""Normal compliance in stick, as a fraction of K_nn, below which it is rounding error; the point
-then has one degree of freedom."""
+"""Change of the normal velocity per unit normal impulse in stick, as a fraction of K_nn, below
+which it is rounding error. The point then has one degree of freedom."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Impact(EqualByValue):
-    """Result of an impact, or of an array of impacts.
+    """The result of an impact, or of an array of impacts.
 
     Each attribute is a float for a single impact, or an array of the broadcast shape. Impulses act
-    on the contact point of the moving body; normal impulses are positive. Works are done by the
-    impulse on the bodies.
+    on the contact point of the moving body; normal impulses are positive. The works are those of
+    the impulses on the bodies.
 
     Attributes:
         impulse_normal, impulse_tangential: total impulse, N s.
@@ -68,7 +68,7 @@ class Impact(EqualByValue):
         phase_slip: direction of slip in each of the ``PHASES``, -1, 0 (stick) or 1, shape (..., 4).
         phase_work_normal, phase_work_tangential: works in each of the ``PHASES``, shape (..., 4),
             J.
-        outcome: index into ``OUTCOMES``.
+        outcome: index of the outcome in ``OUTCOMES``.
     """
 
     impulse_normal: Number
@@ -86,19 +86,19 @@ class Impact(EqualByValue):
 
     @property
     def compressive_work(self) -> tuple[Number, Number]:
-        """Return the normal work, which is negative, and the tangential work of compression, J."""
+        """Return the normal work (negative) and the tangential work of compression, J."""
         normal = self.phase_work_normal[..., :2].sum(axis=-1)
         return normal, self.phase_work_tangential[..., :2].sum(axis=-1)
 
     @property
     def restitutive_work(self) -> tuple[Number, Number]:
-        """Return the normal work, which is positive, and the tangential work of restitution, J."""
+        """Return the normal work (positive) and the tangential work of restitution, J."""
         normal = self.phase_work_normal[..., 2:].sum(axis=-1)
         return normal, self.phase_work_tangential[..., 2:].sum(axis=-1)
 
     @property
     def energy_change(self) -> Number:
-        """Change of the bodies' kinetic energy, the sum of all works, J."""
+        """Change of the bodies' kinetic energy in the impact, J: the sum of all works."""
         return self.phase_work_normal.sum(axis=-1) + self.phase_work_tangential.sum(axis=-1)
 
     @property
@@ -110,7 +110,8 @@ class Impact(EqualByValue):
     def phases(self) -> tuple[str, ...]:
         """Return the names of the phases of a single impact in order.
 
-        An example is ``("compression slip", "restitution reverse slip")``.
+        Each name consists of compression or restitution and the motion of the point, as in
+        ``("compression slip", "restitution reverse slip")``.
         """
         slips = self.phase_slip.tolist()
         names = []
@@ -123,7 +124,7 @@ class Impact(EqualByValue):
 
 @dataclass(slots=True)
 class _State:
-    """Present state of an impact: the velocities and the impulses so far."""
+    """The present velocity of the contact point in an impact, and the impulse on it so far."""
 
     normal: Number
     tangential: Number
@@ -132,11 +133,13 @@ class _State:
 
 
 class InverseMass(NamedTuple):
-    """The inverse mass matrix of the contact point by its entries, and its response in stick.
+    """The entries of the inverse mass matrix of the contact point, and its response in stick.
 
-    ``stick`` is the change of the normal velocity per unit normal impulse while the point does not
-    slip; it is exactly 0 for one degree of freedom. ``stick_ratio`` is the ratio of the tangential
-    to the normal impulse in stick.
+    Attributes:
+        normal, coupling, tangential: entries K_nn, K_nt and K_tt of the matrix, 1/kg.
+        stick: change of the normal velocity per unit normal impulse while the point does not slip,
+            1/kg. It is exactly 0 for one degree of freedom.
+        stick_ratio: ratio of the tangential to the normal impulse while the point does not slip.
     """
 
     normal: Number
@@ -147,11 +150,14 @@ class InverseMass(NamedTuple):
 
 
 class Target(NamedTuple):
-    """What restitution must still reach, by each of the three laws.
+    """The values at which restitution ends, for each of the three laws.
 
-    ``work`` is the normal work left (Stronge), ``impulse`` the normal impulse left (Poisson), and
-    ``velocity`` the final normal velocity (Newton). A sticking point with one degree of freedom
-    that moves no faster than ``least`` counts as being at rest.
+    Attributes:
+        work: normal work that restitution has still to do (Stronge), J.
+        impulse: normal impulse that restitution has still to apply (Poisson), N s.
+        velocity: final normal velocity (Newton), m/s.
+        least: normal speed up to which a sticking point with one degree of freedom counts as being
+            at rest, m/s.
     """
 
     work: Number
@@ -161,10 +167,14 @@ class Target(NamedTuple):
 
 
 class _Phase(NamedTuple):
-    """Result of one phase: its normal impulse, its slip direction and its works.
+    """The result of one phase of an impact.
 
-    ``stopped`` tells whether slip stopped in the phase. ``unfinished`` tells whether compression or
-    restitution must continue after it.
+    Attributes:
+        impulse: normal impulse of the phase, N s.
+        slip: direction of slip, -1, 0 (stick) or 1.
+        work_normal, work_tangential: works of the phase, J.
+        stopped: whether slip stopped in the phase.
+        unfinished: whether compression or restitution continues after the phase.
     """
 
     impulse: Number
@@ -182,7 +192,11 @@ End = Callable[[Number, Number, Target], Number]
 
 
 def energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
-    """Return the normal impulse at which restitution ends by the energetic coefficient, N s."""
+    """Return the normal impulse (N s) at which restitution ends by the energetic coefficient.
+
+    ``velocity`` is the normal velocity (m/s), ``compliance`` its change per unit normal impulse
+    (1/kg).
+    """
     # The root of v p + a p^2/2 = W in the form without cancellation; a work that underflows takes
     # no impulse.
     work = select(target.work > 0.0, target.work, 0.0)
@@ -205,9 +219,9 @@ def resolve_phases(
     """Resolve rigid impacts phase by phase, without a check of the arguments.
 
     Args:
-        k_nn: normal entry of the inverse mass matrix, 1/kg.
-        k_nt: coupling entry of the inverse mass matrix, 1/kg.
-        k_tt: tangential entry of the inverse mass matrix, 1/kg.
+        k_nn: entry K_nn of the inverse mass matrix, 1/kg.
+        k_nt: entry K_nt, which couples normal and tangential direction, 1/kg.
+        k_tt: entry K_tt, 1/kg.
         normal: normal velocity before the impact, m/s.
         tangential: tangential velocity before the impact, m/s.
         friction: coefficient of friction in compression.
@@ -215,7 +229,7 @@ def resolve_phases(
         restitution_friction: coefficient of friction in restitution.
         stick_compliance: change of the normal velocity per unit normal impulse in stick, 1/kg; by
             default computed from the matrix.
-        end: function that returns the normal impulse at which restitution ends, by default that of
+        end: function that returns the normal impulse at which restitution ends; by default that of
             the energetic coefficient.
     """
     mass = inverse_mass_of(k_nn, k_nt, k_tt, stick_compliance)
@@ -268,8 +282,8 @@ def resolve_phases(
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
     """Return the inverse mass matrix with its response in stick.
 
-    ``stick`` is the change of the normal velocity per unit normal impulse in stick; with None it is
-    computed from the matrix.
+    ``stick`` is the change of the normal velocity per unit normal impulse in stick, 1/kg. With None
+    the function computes it from the matrix.
     """
     ratio = select(k_tt > 0.0, quotient(k_nt, k_tt), 0.0)
     if stick is None:
@@ -281,8 +295,8 @@ def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | No
 def _settled(mass: InverseMass, mu: Number) -> Number:
     """Return the direction in which the point slips after its initial slip has stopped.
 
-    It is 0 if friction holds the point, otherwise the sign of the coupling K_nt of the inverse
-    mass.
+    The result is 0 if friction can hold the point, otherwise the sign of the entry K_nt of the
+    inverse mass matrix.
     """
     holds = mu * mass.tangential >= abs(mass.coupling)
     return select(holds, 0.0, sign(mass.coupling))
@@ -297,11 +311,20 @@ def _phase(
     target: Target | None = None,
     end: End | None = None,
 ) -> _Phase:
-    """Advance to the end of slip, of compression or of restitution, whichever is first.
+    """Advance the state to the end of slip, of compression or of restitution, whichever is first.
 
-    With a target the phase belongs to restitution, otherwise to compression. If no finite impulse
-    ends it, the state does not change. Slip that in restitution would drive the point back into the
-    surface keeps its normal velocity constant instead.
+    With a ``target`` the phase belongs to restitution, otherwise to compression. If no finite
+    impulse ends the phase, the state does not change. In restitution, slip may not drive the point
+    back into the surface; the normal velocity then stays constant.
+
+    Args:
+        state: velocities and impulses, which the function updates.
+        mass: inverse mass matrix of the contact point.
+        mu: coefficient of friction.
+        slip: direction of slip, 0 for stick.
+        active: whether the phase occurs.
+        target: values at which restitution ends, or None in compression.
+        end: function that returns the normal impulse at which restitution ends.
     """
     if active is False:
         return _NOTHING

@@ -39,14 +39,15 @@ from bristle_sim.theory.impact_phases import INFINITE, KNIFE_EDGE
 from bristle_sim.theory.numbers import quotient
 
 STEEPEST_CONE = 1e150
-"""Largest tangent of the friction cone's angle, in the units of the modes; a steeper cone counts as
-a half-plane."""
+"""Largest tangent of the friction cone's angle, in the units of the modes. A wider cone counts as a
+half-plane."""
 
 
 class Contact(NamedTuple):
-    """The constants and the present state of contacts on two springs.
+    """The constants and the present state of contacts on a normal and a tangential spring.
 
-    The attributes up to ``approach`` are constant in an impact; those from ``normal`` on change.
+    Units are such that the normal stiffness in loading is 1. The attributes up to ``approach`` are
+    constant during an impact.
 
     Attributes:
         k_nn, k_nt, k_tt: entries of the inverse mass matrix of the contact point.
@@ -61,7 +62,7 @@ class Contact(NamedTuple):
         peak: largest normal force so far.
         loading: 1 in loading, 0 in unloading.
         steep: square root of the normal stiffness: 1 in loading, 1/e* in unloading.
-        friction: coefficient of friction in this phase.
+        friction: coefficient of friction in the present phase.
         slip: sense in which the tangential spring's foot slides; 0 in stick.
     """
 
@@ -91,12 +92,17 @@ def stick(
 ) -> tuple[Contact, Number, tuple[Number, ...]]:
     """Advance contacts to the end of a phase of stick.
 
-    Where ``settles`` is set, the contact does not advance; its fast mode and the energy of this
-    mode are removed from the motion. Where ``jams`` is set, this happens only if the point has one
-    degree of freedom and is pressed into the surface without end. Where ``balances`` is set, the
-    phase of a point with one degree of freedom ends at the latest when the point moves as its
-    balanced forces let it, which is where the fast mode's velocity is zero. A few contacts may be
+    In stick a contact is a pair of oscillators, the fast and the slow mode. A few contacts may be
     left without an event.
+
+    Args:
+        contact: contacts before the phase.
+        jams: whether a point with one degree of freedom does not advance if it is driven into the
+            surface without end. Its event is ``NEVER``.
+        settles: whether the contact loses the energy of its fast mode instead of advancing. Its
+            event is ``SETTLED``.
+        balances: whether the phase of a point with one degree of freedom ends, at the latest, when
+            the velocity of its fast mode is zero. Its event is ``BALANCED``.
 
     Returns:
         The contacts after the phase; the events that end it; and the normal impulse, tangential
@@ -122,7 +128,7 @@ def stick(
     moved = still | (time > 0.0)  # no rounding where nothing happens
 
     def seen(w_1: Number, g_1: Number) -> Contact:
-        """Return the contacts whose fast mode has the velocity w_1 and the force g_1."""
+        """Return the contacts if their fast mode has the velocity w_1 and the force g_1."""
         ends = (
             np.where(moved, (cosine * w_1 - sine * w_2) / steep, contact.normal),
             np.where(moved, (sine * w_1 + cosine * w_2) * eta, contact.tangential),
@@ -152,11 +158,11 @@ def stick(
 
 
 def _modes(contact: Contact) -> tuple[Modes, tuple[Number, Number]]:
-    """Return the two oscillators of contacts in stick.
+    """Return the two modes of contacts in stick.
 
     Returns:
-        The constants of the modes; and the cosine and sine of the rotation to their axes, which
-        makes the scaled inverse mass matrix diagonal.
+        The constants of the modes; and the cosine and the sine of the rotation from (normal,
+        tangential) to the modes' axes, in which the scaled inverse mass matrix is diagonal.
     """
     steep = contact.steep
     eta = contact.eta
@@ -275,12 +281,14 @@ def slide(contact: Contact) -> tuple[Contact, Number, tuple[Number, ...]]:
 def foot_of(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Number]:
     """Return the motion of the contact point and of the tangential spring's foot in slip.
 
+    ``slip`` is the sense in which the foot slides. The last two results are divided by 1 + mu eta^2
+    kappa, so that they do not overflow for a large friction mu. eta^2 is the ratio of the normal to
+    the tangential stiffness; kappa is 1 in loading and 1/e*^2 in unloading.
+
     Returns:
-        The changes of the normal and of the tangential velocity of the point per unit normal
-        impulse; the velocity of the foot in the sense of slip; and its change per unit normal
-        impulse. The last two are divided by 1 + mu eta^2 kappa, so that they do not overflow for
-        any friction mu. eta^2 is the ratio of the normal to the tangential stiffness; kappa is 1 in
-        loading and 1/e*^2 in unloading.
+        The changes of the normal and of the tangential velocity of the contact point per unit
+        normal impulse; the velocity of the foot in the sense of slip; and the change of this
+        velocity per unit normal impulse.
     """
     along = contact.k_nt - contact.friction * slip * contact.k_tt
     gain = contact.stick + contact.tie * along
@@ -291,10 +299,10 @@ def foot_of(contact: Contact, slip: Number) -> tuple[Number, Number, Number, Num
 
 
 def begun_slip(contact: Contact) -> Number:
-    """Return the sense in which the tangential spring's foot begins to slip, or 0 for stick.
+    """Return the sense in which the tangential spring's foot begins to slide, or 0 for stick.
 
-    The foot slips if the force is at an edge of the friction cone and would leave the cone. Without
-    friction the foot always slips.
+    The foot slides if the spring's force is at an edge of the friction cone and would leave the
+    cone. Without friction the foot always slides.
     """
     smooth = contact.friction == 0.0
     free = np.where(

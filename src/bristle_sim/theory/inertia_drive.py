@@ -22,7 +22,7 @@ import math
 from bristle_sim.theory.cueing import natural_rate, stiffened_cue_time, stiffened_highest_speed
 from bristle_sim.theory.numbers import require
 
-LEAST_SPEED = 1e-100  # least hub speed, rad/s; the energy at a smaller one would underflow
+LEAST_SPEED = 1e-100  # least hub speed, rad/s; at a smaller speed the energy would underflow
 
 
 def largest_retraction(
@@ -30,7 +30,9 @@ def largest_retraction(
 ) -> float:
     """Return the largest retraction of a bristle that its inertia throws, rad.
 
-    It is the angle alpha at which k alpha^2/2 + g (1 - cos alpha) = I omega^2/2.
+    The belt carries the bristle onto the pulley, where its root begins to rotate at the pulley's
+    angular velocity omega. The largest retraction is the angle alpha at which k alpha^2/2 + g (1 -
+    cos alpha) = I omega^2/2.
 
     Args:
         inertia: inertia I of the bristle about its root, kg m^2.
@@ -58,7 +60,7 @@ def largest_retraction(
     bristle = (stiffness, centrifugal, inertia)
 
     def excess(angle: float) -> float:
-        """Return the potential energy at an angle over the initial kinetic energy, less 1."""
+        """Return the potential energy at an angle divided by the initial kinetic energy, less 1."""
         return float((stiffened_highest_speed(angle, *bristle) / hub_speed) ** 2) - 1.0
 
     flat = 0.5 * math.pi
@@ -77,12 +79,11 @@ def largest_retraction(
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
     """Return the time from the start of the belt's arc on the pulley to the radial direction, s.
 
-    Arguments and errors are those of ``largest_retraction``. The bristle takes as long to its largest
-    retraction as from there to the radial direction, which is the cue time of a bristle that is
-    released at this retraction.
+    Arguments and errors are those of ``largest_retraction``. The bristle first swings back to its
+    largest retraction and then forward to the radial direction. Both take the same time, which is
+    the cue time of a bristle released at this retraction.
 
-    Without centrifugal stiffness it is half a period of the belt's spring, pi sqrt(I/k), here pi/2
-    s:
+    Without centrifugal stiffness the sum is half a period on the belt, pi sqrt(I/k), here pi/2 s:
 
     >>> print(f"{time_to_radial(1.0, 4.0, 0.0, 1.0):.9f}")
     1.570796327

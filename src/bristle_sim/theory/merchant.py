@@ -36,9 +36,8 @@ from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 # Surface at which the shear plane ends: parallel to the path, or inclined to it.
 Surface = Literal["parallel", "inclined"]
 API_5L = 1.2e8  # shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)
-RAKE_OFFSET = math.radians(
-    11.5
-)  # rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
+# Rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
+RAKE_OFFSET = math.radians(11.5)
 
 
 class ShearAngleError(ValueError):
@@ -50,10 +49,12 @@ class ShearAngleError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class CuttingAngles:
-    """The angles of Merchant's circle, rad.
+    """The angles of Merchant's circle, as numbers or as arrays of one broadcast shape.
 
-    They are the rake angle alpha, the friction angle beta and the shear angle eta, as numbers or as
-    arrays of one broadcast shape.
+    Attributes:
+        rake: rake angle alpha, rad.
+        friction: friction angle beta, rad.
+        shear: shear angle eta, rad.
 
     If rake and friction angle are equal, the shear angle of least work is 45 deg. The resultant is
     then tau_s b d_u/(sin 45 cos 45), twice the shear yield stress times the area of the chip:
@@ -69,28 +70,30 @@ class CuttingAngles:
 
     @property
     def resultant_angle(self) -> Number:
-        """Return the angle between the resultant force and the cutting velocity, rad."""
+        """Angle beta - alpha between the resultant force and the cutting velocity, rad."""
         return self.friction - self.rake
 
     @property
     def resultant_ratio(self) -> Number:
-        """Return the chip's area times the shear yield stress, over the resultant force (4.20).
+        """Ratio of the force tau_s b d_u to the resultant force R (Zhang 2020, eq. 4.20).
 
-        It is tau_s b d_u/R = sin(eta) cos(eta + beta - alpha).
+        It is sin(eta) cos(eta + beta - alpha). tau_s is the shear yield stress, b the width and d_u
+        the uncut depth of the chip.
         """
         return np.sin(self.shear) * np.cos(self.shear + self.resultant_angle)
 
     @property
     def cutting_ratio(self) -> Number:
-        """Return the chip's area times the shear yield stress, over the cutting force (4.46).
+        """Ratio of the force tau_s b d_u to the cutting force F_c (Zhang 2020, eq. 4.46).
 
-        It is tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha), the shear yield
-        stress over the specific cutting energy F_c/(b d_u).
+        It is sin(eta) cos(eta + beta - alpha)/cos(beta - alpha). tau_s is the shear yield stress, b
+        the width and d_u the uncut depth of the chip. F_c/(b d_u) is the specific cutting energy.
         """
         return self.resultant_ratio / np.cos(self.resultant_angle)
 
 
-ANGLE_ROUNDING = 1e-12  # rounding error of an angle, rad
+# Rounding error of a shear angle, by which it may lie below the impact angle, rad.
+ANGLE_ROUNDING = 1e-12
 
 PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radians(25.0))
 """The dissertation's rounded angles, at a friction of 0.5 and an impact angle of 23.4 deg (Zhang
@@ -100,11 +103,10 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 def oblique_angles(
     friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True
 ) -> CuttingAngles:
-    """Return the angles of Merchant's circle for a tip that enters the surface obliquely, rad.
+    """Return the angles of Merchant's circle for a tip that enters the surface obliquely.
 
-    The rake angle is alpha = gamma + ``RAKE_OFFSET``, the friction angle beta = ``RAKE_OFFSET`` +
-    arccot(mu), and the shear angle eta = pi/4 - (beta - alpha)/2, which needs the least work
-    (4.25).
+    The rake angle is alpha = gamma + ``RAKE_OFFSET`` and the friction angle beta = ``RAKE_OFFSET``
+    + arccot(mu). The shear angle eta = pi/4 - (beta - alpha)/2 needs the least work (4.25).
 
     Args:
         friction: ratio mu > 0 of tangential to normal force on the workpart.
@@ -112,7 +114,7 @@ def oblique_angles(
         check: whether to raise an error where the shear plane would not emerge from the surface.
 
     Raises:
-        ShearAngleError: where eta < gamma, that is mu < tan(gamma) (4.42), if ``check`` is set.
+        ShearAngleError: if ``check`` is set, where eta < gamma, that is mu < tan(gamma) (4.42).
 
     With mu = 1 the resultant is at 45 deg to the workpart. A path along the surface (gamma = 0) has
     eta = 45 - 45/2 = 22.5 deg:
@@ -145,10 +147,17 @@ def specific_cutting_energy(
     shear_yield_stress: ArrayLike = API_5L,
     surface: Surface = "parallel",
 ) -> Number:
-    """Return the specific cutting energy: the cutting force over the area of the chip, J/m^3.
+    """Return the specific cutting energy, the cutting force divided by the chip's area, J/m^3.
 
-    It is u = F_c/(b d_u), with the width b and the uncut depth d_u of the chip. ``surface`` is
-    parallel or inclined to the path of the tip, as the module describes.
+    It is u = F_c/(b d_u), with the cutting force F_c, the width b and the uncut depth d_u of the
+    chip.
+
+    Args:
+        friction: ratio mu > 0 of tangential to normal force on the workpart.
+        impact_angle: angle gamma of the path to the surface, rad.
+        shear_yield_stress: shear yield stress tau_s of the workpart, Pa.
+        surface: direction of the surface at which the shear plane ends, relative to the tip's path:
+            ``parallel``, as the dissertation assumes, or ``inclined``, as the real surface is.
 
     At mu = 1, gamma = 0 and tau_s = 1 Pa it is cos(45)/(sin(22.5) cos(67.5)) = 0.707107/0.146447:
 

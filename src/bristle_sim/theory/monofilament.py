@@ -36,7 +36,7 @@ overflow."""
 
 @dataclass(frozen=True, slots=True)
 class MonofilamentImpact:
-    """The impact of one strike, or of an array of strikes.
+    """The impact of a bristle in one strike, or in each of an array of strikes.
 
     Attributes:
         normal_compressive_impulse: normal impulse of compression, N s.
@@ -44,9 +44,9 @@ class MonofilamentImpact:
         tangential_compressive_impulse: tangential impulse of compression, N s.
         normal_compressive_work: work of the normal force in compression, J.
         tangential_compressive_work: work of friction in compression, J.
-        initial_bristle_rate, final_bristle_rate: absolute rate of the bristle before and after the
-            impact, rad/s.
-        outcome: index into ``impact_phases.OUTCOMES``: no contact, rebound, no rebound (e* = 0) or
+        initial_bristle_rate, final_bristle_rate: absolute angular velocity of the bristle before
+            and after the impact, rad/s.
+        outcome: index in ``impact_phases.OUTCOMES`` of no contact, rebound, no rebound (e* = 0) or
             stiction.
     """
 
@@ -61,9 +61,10 @@ class MonofilamentImpact:
 
     @property
     def rebound_ratio(self) -> Number:
-        """Return the bristle's rate after the impact over its rate before the impact (2.65).
+        """Return the ratio of the bristle's angular velocities after and before the impact (2.65).
 
-        Raises ValueError where the rate before the impact is 0.
+        Raises:
+            ValueError: where the angular velocity before the impact is 0.
         """
         if np.any(np.equal(self.initial_bristle_rate, 0.0)):
             raise ValueError(
@@ -88,25 +89,27 @@ def monofilament_impact(
     restitution: Number,
     restitution_friction: Number | None = None,
 ) -> MonofilamentImpact:
-    """Return the impact of a rigid radial bristle on a hub that keeps its speed, in closed form.
+    """Return the impact of a rigid radial bristle on a hub of constant speed, in closed form.
 
-    With the speed v_C of ``tip_speed``, the impulse p_cy of ``normal_compressive_impulse``, s_1 =
-    sin gamma + mu_1 cos gamma and s_2 = sin gamma - mu_2 cos gamma, the final impulse and rate are
+    The final normal impulse p_fy and the final angular velocity phi'_f are (2.48, 2.65)
 
-        p_fy = p_cy (1 + e* sqrt(s_1/s_2)),    phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1)       (2.48, 2.65)
+        p_fy = p_cy (1 + e* sqrt(s_1/s_2)),    phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1),
 
-    Compression has the tangential impulse p_cx = -mu_1 p_cy (2.56), the normal work -v_C sin gamma
-    p_cy/2 (2.40) and the tangential work v_C cos gamma p_cx/2 (2.58). p_fy grows without bound as
-    mu_2 approaches tan gamma. With mu_2 >= tan gamma there is no restitution: p_fy = p_cy, as for
-    e* = 0. The tip strikes only if v_C > 0; otherwise impulses and works are zero and the bristle
-    keeps its rate.
+    with s_1 = sin gamma + mu_1 cos gamma, s_2 = sin gamma - mu_2 cos gamma, the speed v_C of
+    ``tip_speed`` and the impulse p_cy of ``normal_compressive_impulse``. In compression the
+    tangential impulse is p_cx = -mu_1 p_cy (2.56), the normal work -v_C sin gamma p_cy/2 (2.40) and
+    the tangential work v_C cos gamma p_cx/2 (2.58).
+
+    p_fy grows without bound as mu_2 approaches tan gamma. With mu_2 >= tan gamma there is no
+    restitution: p_fy = p_cy, as for e* = 0. The tip strikes only if v_C > 0; otherwise impulses and
+    works are zero and the angular velocity does not change.
 
     Args:
         mass: mass of the bristle, kg.
         length: length L of the bristle, m.
         hub_radius: radius r_h of the hub, m.
         hub_speed: angular velocity omega of the hub, rad/s.
-        speed_ratio: rate of the bristle before the impact over the hub speed.
+        speed_ratio: ratio of the bristle's angular velocity before the impact to that of the hub.
         impact_angle: angle gamma of the bristle to the workpart's normal, at least 1e-150 rad.
         friction: coefficient of friction mu_1 in compression.
         restitution: energetic coefficient of restitution e* (2.47), in [0, 1].
@@ -117,7 +120,8 @@ def monofilament_impact(
         ValueError: if the impact angle is too small.
 
     A rod of 3 kg and 1 m lies along the surface (gamma = 90 deg) and strikes at 1 rad/s on a hub of
-    zero radius. Its compressive impulse is m v_C/3 = 1 N s, and it rebounds at half its rate.
+    zero radius. Its compressive impulse is m v_C/3 = 1 N s, and it rebounds at half its angular
+    velocity.
 
     >>> import math
     >>> impact = monofilament_impact(3.0, 1.0, 0.0, 1.0, 1.0, math.pi / 2.0, 0.0, 0.5)
@@ -152,8 +156,9 @@ def monofilament_impact(
 def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
     """Return the speed of a radial bristle's tip before the impact, m/s (Zhang 2020, eq. 2.24).
 
-    It is v_C = (R L + r_h) omega, with the ratio R of the bristle's rate to the hub speed omega,
-    the length L and the hub's radius r_h. The dissertation writes it kappa omega L (2.33).
+    It is v_C = (R L + r_h) omega, with the angular velocity omega of the hub, the ratio R of the
+    bristle's angular velocity to omega, the length L and the hub's radius r_h. The dissertation
+    writes kappa omega L (2.33).
 
     In the dissertation R = 3.23, L = 27 mm and r_h = 27.5 mm, so that R L + r_h = 114.71 mm:
 
@@ -166,8 +171,8 @@ def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio
 def stiction_friction(impact_angle: Number) -> Number:
     """Return the least friction at which no impulse can separate the tip from the workpart.
 
-    It is tan gamma, with the impact angle gamma, rad; the friction is that in restitution (Zhang
-    2020, eq. 2.51).
+    It is a coefficient of friction in restitution, and equals tan gamma with the impact angle gamma
+    (rad) (Zhang 2020, eq. 2.51).
 
     >>> import math
     >>> print(f"{stiction_friction(math.pi / 4.0):.6f}")
@@ -180,10 +185,10 @@ def stiction_friction(impact_angle: Number) -> Number:
 def normal_compressive_impulse(
     mass: Number, tip_speed: Number, impact_angle: Number, friction: Number
 ) -> Number:
-    """Return the normal impulse of compression of a strike, N s (Zhang 2020, eq. 2.37).
+    """Return the normal impulse of compression in a strike, N s (Zhang 2020, eq. 2.37).
 
-    It is m v_C/(3 s_1), s_1 = sin(gamma) + mu cos(gamma), with the bristle's mass m, the speed v_C
-    of the tip, the impact angle gamma and the friction mu.
+    It is m v_C/(3 s_1) with s_1 = sin(gamma) + mu cos(gamma), the bristle's mass m (kg), the speed
+    v_C of its tip (m/s), the impact angle gamma (rad) and the coefficient of friction mu.
 
     With sin(gamma) = 3/5, cos(gamma) = 4/5 and mu = 1/2, s_1 is 1:
 

@@ -19,7 +19,7 @@ from bristle_sim.units import shown
 
 
 def select(condition: Number, chosen: Number, other: Number) -> Number:
-    """Return ``chosen`` where the condition holds, otherwise ``other``."""
+    """Return ``chosen`` where the condition holds, and ``other`` elsewhere."""
     if isinstance(condition, bool):
         return chosen if condition else other
     return np.where(condition, chosen, other)
@@ -36,7 +36,7 @@ def square_root(value: Number) -> Number:
 
 
 def quotient(value: Number, divisor: Number) -> Number:
-    """Return value/divisor where the divisor is positive, otherwise infinity."""
+    """Return value/divisor where the divisor is positive, and infinity elsewhere."""
     if isinstance(divisor, float):
         return value / divisor if divisor > 0.0 else math.inf
     quotient = np.full_like(divisor, math.inf)
@@ -45,9 +45,10 @@ def quotient(value: Number, divisor: Number) -> Number:
 
 
 def numbers(name: str, value: Any, rule: str) -> Array:
-    """Return the value as an array of floats; infinities and NaN are permitted.
+    """Convert a value to an array of floats, which may be infinite or NaN.
 
-    ``name`` and ``rule`` are for the message of an error.
+    ``name`` is the name of the argument, and ``rule`` the text that says what it must be; both
+    appear in the message of an error.
 
     Raises:
         ValueError: if an entry is not a real number (text, truth value, complex number), or if rows
@@ -69,10 +70,16 @@ def numbers(name: str, value: Any, rule: str) -> Array:
 
 
 def require(name: str, value: Any, holds: Any, rule: str) -> None:
-    """Raise ValueError unless a condition holds for all values.
+    """Raise ValueError if a condition is false for any entry of a value.
 
-    ``holds`` is the condition; it broadcasts with ``value``. The message has the argument's name,
-    the first value for which the condition is false, and the rule.
+    The message contains the argument's name, the first entry for which the condition is false, and
+    the rule.
+
+    Args:
+        name: name of the argument.
+        value: value of the argument.
+        holds: the condition, which broadcasts with the value.
+        rule: text that says what the value must be.
     """
     values, passed = np.broadcast_arrays(numbers(name, value, rule), np.asarray(holds, dtype=bool))
     if not passed.all():
@@ -114,11 +121,11 @@ RANGES: dict[str, Range] = {
     )
     for key in keys.split()
 }
-"""Range of each argument by its name. The last entry of a range gives the reason for its bounds."""
+"""Range of each argument by its name, with unit, bounds and the reason for the bounds."""
 
 
 def checked_numbers(**values: float) -> list[float]:
-    """Check each argument against the range declared for its name in ``RANGES``; return floats.
+    """Check each keyword argument against its range in ``RANGES``, and return the values as floats.
 
     Raises:
         ValueError: for an argument outside its range.

@@ -41,13 +41,13 @@ from bristle_sim.theory.two_rods import RodImpact
 
 @dataclass(frozen=True, slots=True)
 class SinglePendulumImpact:
-    """Impact of a single pendulum.
+    """The impact of a single pendulum's tip on a surface.
 
     Attributes:
         normal_compressive_impulse: normal impulse of compression, N s.
         normal_final_impulse: normal impulse of compression and restitution, N s.
-        final_rate: rate after the impact, rad/s.
-        rebound_ratio: rate after the impact over the rate before it.
+        final_rate: angular velocity after the impact, rad/s.
+        rebound_ratio: ratio of the angular velocities after and before the impact.
         outcome: name of the outcome.
     """
 
@@ -68,8 +68,8 @@ def single_pendulum_impact(
 ) -> SinglePendulumImpact:
     """Return the impact of a hinged slender rod whose tip strikes a rough surface.
 
-    It is Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26). The rate phi' after the
-    impact over the rate before it is
+    The rod is Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26). The ratio of its
+    angular velocities after and before the impact is
 
         phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >=
         tan gamma
@@ -78,7 +78,7 @@ def single_pendulum_impact(
         rod_mass: mass of the rod, kg.
         rod_length: length of the rod, m.
         impact_angle: angle gamma of the rod to the surface's normal, 0 < gamma <= pi/2, rad.
-        rate: rate before the impact, rad/s; negative where the tip approaches the surface.
+        rate: angular velocity before the impact, rad/s; negative if the tip approaches the surface.
         friction: coefficient of friction mu.
         restitution: energetic coefficient of restitution e*.
 
@@ -106,15 +106,15 @@ def single_pendulum_impact(
 
 @dataclass(frozen=True, slots=True)
 class DoublePendulumImpact:
-    """Impact of a double pendulum.
+    """The impact of a double pendulum's tip on a surface.
 
     Attributes:
-        final_rate_1, final_rate_2: rates of the rods after the impact, rad/s.
+        final_rate_1, final_rate_2: angular velocities of the two rods after the impact, rad/s.
         normal_compressive_impulse: normal impulse of compression, N s.
         normal_final_impulse: normal impulse of compression and restitution, N s.
         slip_stop_impulse: normal impulse at which slip stops, N s; inf if slip does not stop.
         phases: names of the phases of the impact, in order, with slip or stick of the tip.
-        kinetic_energy_ratio: kinetic energy after the impact over the energy before it.
+        kinetic_energy_ratio: ratio of the kinetic energies after and before the impact.
         outcome: name of the outcome.
     """
 
@@ -142,22 +142,22 @@ def double_pendulum_impact(
 ) -> DoublePendulumImpact:
     """Return the impact of two hinged slender rods whose tip strikes a rough surface.
 
-    It is Stronge's double pendulum with any mass ratio (Zhang 2020, eqs. 2.66-2.108).
+    The rods are Stronge's double pendulum with any ratio of masses (Zhang 2020, eqs. 2.66-2.108).
 
     Args:
         rod_mass: mass of the second rod, whose tip strikes, kg.
-        mass_ratio: mass of the first rod over the mass of the second rod.
+        mass_ratio: ratio of the mass of the first rod to that of the second rod.
         rod_length: length of either rod, m.
-        angle_1: angle of the first rod to the surface's normal, within a right angle, rad.
-        angle_2: angle of the second rod to the surface's normal, within a right angle, rad.
-        rate_1: rate of the first rod before the impact, rad/s.
-        rate_2: rate of the second rod before the impact, rad/s.
+        angle_1: angle of the first rod to the surface's normal, -pi/2 to pi/2, rad.
+        angle_2: angle of the second rod to the surface's normal, -pi/2 to pi/2, rad.
+        rate_1: angular velocity of the first rod before the impact, rad/s.
+        rate_2: angular velocity of the second rod before the impact, rad/s.
         friction: coefficient of friction in compression.
         restitution: energetic coefficient of restitution.
         restitution_friction: coefficient of friction in restitution; ``friction`` by default, as in
             the dissertation.
 
-    A frictionless impact keeps the kinetic energy if e* = 1:
+    A frictionless impact with e* = 1 conserves the kinetic energy:
 
     >>> impact = double_pendulum_impact(5.0, 1.0, 1.0, 0.35, 0.52, -0.1, -0.2, 0.0, 1.0)
     >>> print(f"{impact.kinetic_energy_ratio:.9f} {impact.outcome}")

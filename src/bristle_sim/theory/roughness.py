@@ -16,22 +16,23 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 
 SECTIONS = 5  # number of section lengths in an evaluation length (ISO 21920-3)
-LEAST_HEIGHT = 0.1  # least height of a hill and least depth of a dale over Rz (ISO 21920-2)
+# Least height of a hill and least depth of a dale, as a fraction of Rz (ISO 21920-2).
+LEAST_HEIGHT = 0.1
 GAUSSIAN = math.sqrt(math.log(2.0) / math.pi)
-"""Constant alpha = 0.4697 of the Gaussian filter (ISO 16610-21); with it the filter halves a wave
-whose length is the cut-off."""
+"""Constant alpha = 0.4697 of the Gaussian filter (ISO 16610-21). With this constant the filter
+halves a wave whose length is the cut-off."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProfileMeasures:
-    """Roughness measures of profiles, as means over all profiles, m.
+    """Roughness measures of ISO 21920-2, as means over all profiles, m.
 
     Attributes:
-        rz: Rz, mean over the section lengths of the highest peak less the lowest valley.
+        rz: Rz, mean over the section lengths of the highest peak minus the lowest valley.
         ra: Ra, mean distance from the mean line.
         rq: Rq, root mean square of the distance from the mean line.
-        rsm: RSm, mean length of the profile elements (a hill and a dale); None without a whole
-            element.
+        rsm: RSm, mean length of the profile elements, each a hill with a dale; None if no profile
+            contains a whole element.
         sections: number of section lengths of each profile.
     """
 
@@ -43,13 +44,18 @@ class ProfileMeasures:
 
 
 def roughness_profiles(heights: Array, cell: float, cutoff: float) -> Array:
-    """Return roughness profiles, m: the heights less their Gaussian mean line along the last axis.
+    """Return the roughness profiles: the heights minus their Gaussian mean line, m.
 
-    The profiles must be periodic; ``cell`` is the distance between two points, m. The filter
-    multiplies a wave of length lambda by 1 - exp(-pi (alpha cutoff/lambda)^2), alpha = 0.4697 (ISO
-    16610-21). It does so in the frequency domain, so that there are no end effects.
+    The filter of ISO 16610-21 multiplies a wave of length lambda by 1 - exp(-pi (alpha
+    cutoff/lambda)^2), alpha = 0.4697. It acts in the frequency domain, so that there are no end
+    effects.
 
-    A wave as long as the cut-off keeps half its height:
+    Args:
+        heights: heights of periodic profiles along the last axis, m.
+        cell: distance between two points of a profile, m.
+        cutoff: cut-off wavelength of the filter, m.
+
+    A wave as long as the cut-off is halved:
 
     >>> wave = np.sin(2.0 * np.pi * np.arange(400) / 100.0)
     >>> print(f"{roughness_profiles(wave, 1e-5, 1e-3).max():.6f}")
@@ -62,10 +68,10 @@ def roughness_profiles(heights: Array, cell: float, cutoff: float) -> Array:
 
 
 def section_heights(profiles: Array, cell: float, section: float, sections: int) -> Array:
-    """Return the highest peak less the lowest valley in each section length, m.
+    """Return the highest peak minus the lowest valley in each section length, m.
 
-    The shape is (..., sections). ``cell`` is the distance between two points of a profile and
-    ``section`` the section length, m.
+    ``cell`` is the distance between two points of a profile and ``section`` the section length, m.
+    The shape of the result is (..., sections).
     """
     edges = _edges(cell, section, sections)
     evaluated = profiles[..., : edges[-1]]
@@ -83,15 +89,15 @@ def profile_measures(
 ) -> ProfileMeasures:
     """Return the roughness measures Rz, Ra, Rq and RSm of filtered profiles (ISO 21920-2).
 
-    Rz is the mean over the section lengths of the highest peak less the lowest valley. Ra, Rq and
-    RSm are taken over the evaluation length, which consists of all section lengths.
+    Rz is the mean over the section lengths of the highest peak minus the lowest valley. Ra, Rq and
+    RSm are computed on the evaluation length, which consists of all section lengths.
 
     Args:
         profiles: roughness profiles (m), shape (..., points), as from ``roughness_profiles``.
         cell: distance between two points, m.
         section: section length, m.
         sections: number of section lengths, from the start of a profile. The profiles must be at
-            least as long.
+            least as long as the sections together.
     """
     rz = section_heights(profiles, cell, section, sections).mean(axis=-1)
     evaluated = profiles[..., : _edges(cell, section, sections)[-1]]
@@ -109,11 +115,11 @@ def profile_measures(
 
 
 def _mean_spacing(profile: Array, least: float) -> float | None:
-    """Return the mean length of a profile's elements, in point distances; None without an element.
+    """Return the mean length of a profile's elements, in point distances; None if there is none.
 
-    An element reaches from one rise through the mean line to the next. It has a hill and a dale,
-    each at least ``least`` from the mean line (ISO 21920-2: RSm). The crossings of the mean line
-    are interpolated linearly.
+    An element extends from one rise through the mean line to the next. It consists of a hill and a
+    dale, whose extremes are at least ``least`` from the mean line (RSm of ISO 21920-2). The
+    crossings of the mean line are interpolated linearly.
     """
     beyond = np.flatnonzero(np.abs(profile) > least)
     rises = np.flatnonzero((profile[beyond[:-1]] < 0.0) & (profile[beyond[1:]] > 0.0))
@@ -130,6 +136,8 @@ def _mean_spacing(profile: Array, least: float) -> float | None:
 def arithmetic_mean_height(heights: Array) -> float:
     """Return the mean distance of a surface from its mean height, Sa of ISO 25178-2, m.
 
+    The deviations of this surface from its mean height 1 are 0, -2, 2 and 0:
+
     >>> print(arithmetic_mean_height(np.array([[1.0, -1.0], [3.0, 1.0]])))
     1.0
     """
@@ -137,11 +145,15 @@ def arithmetic_mean_height(heights: Array) -> float:
 
 
 def developed_area_ratio(heights: Array, step: float, cell: float) -> float:
-    """Return the area of a surface over the area of its projection, less 1 (Sdr of ISO 25178-2).
+    """Return Sdr of ISO 25178-2, the relative excess of a surface's area over its projection.
 
-    The distance between points is ``step`` along the last axis and ``cell`` along the first axis,
-    m. Each rectangle of four points is divided into two triangles, once along either diagonal, and
-    the two areas are averaged (annex D).
+    Each rectangle of four points is divided into two triangles, once along either diagonal, and the
+    two areas are averaged (annex D).
+
+    Args:
+        heights: heights of the surface on a grid, m.
+        step: distance between points along the last axis, m.
+        cell: distance between points along the first axis, m.
 
     A plane that rises at 45 deg has sqrt(2) - 1:
 

@@ -14,25 +14,26 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
 
-# Component of the tip's velocity, as a fraction of the rods' initial speeds, that counts as zero.
+# Largest component of the tip's velocity that counts as zero, as a fraction of the sum of the rods'
+# initial generalized speeds.
 ROUNDING = 1e-12
 
-# Largest difference of the angles of rods that count as parallel, rad; their tip moves along one
-# line.
+# Largest difference of the rods' angles at which the rods count as parallel, rad. The tip of
+# parallel rods moves along one line.
 PARALLEL = 1e-8
 
 
 def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike) -> Number:
-    """Return the least friction at which the tip of a double pendulum sticks once its slip stops.
+    """Return the least friction at which the tip of a double pendulum sticks when its slip stops.
 
     With the mass ratio n = m_1/m_2 of the rods, their angles theta_1 and theta_2 to the surface's
-    normal (rad) and c = cos(theta_1 - theta_2), it is
+    normal (rad) and c = cos(theta_1 - theta_2), the coefficient of friction is
 
         mu_bar = |sin 2 theta_1 + (n + 3) sin 2 theta_2 - 3 c sin(theta_1 + theta_2)|
                  / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
 
-    For n = 1 this is eq. 2.90 of Zhang (2020). Arrays broadcast. For theta_1 = theta_2 = theta it
-    is tan theta for every n (2.111).
+    For n = 1 this is eq. 2.90 of Zhang (2020). For theta_1 = theta_2 = theta it is tan theta for
+    every n (2.111). Arrays broadcast.
 
     The dissertation's identical rods at 20 and 30 deg:
 
@@ -51,17 +52,18 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
 
 
 class RodImpact:
-    """The present state of an impact of two hinged rods of equal length.
+    """The present state of an impact of two hinged rods of equal length L.
 
-    The generalized speeds are q = (L phi'_1, L phi'_2/2) (m/s) with the length L and the rates phi'
-    of the rods. The tip C of the second rod receives impulses.
+    The generalized speeds are q = (L phi'_1, L phi'_2/2), with the angular velocities phi' of the
+    rods. The impulse acts on the tip C of the second rod.
 
     Attributes:
         speeds: generalized speeds, m/s.
-        impulse, compressive_impulse: normal impulse so far and that of compression, N s.
+        impulse: normal impulse so far, N s.
+        compressive_impulse: normal impulse of compression, N s.
         work: normal work so far, J.
         phases: names of the phases so far.
-        slip_stop: normal impulse at which slip stops, N s; inf before.
+        slip_stop: normal impulse at which slip stops, N s; inf until it stops.
     """
 
     def __init__(self, mass: float, ratio: float, angles: Sequence[float], speeds: Array) -> None:
@@ -69,7 +71,7 @@ class RodImpact:
 
         Args:
             mass: mass of the second rod, kg.
-            ratio: mass of the first rod over that of the second rod.
+            ratio: ratio of the mass of the first rod to that of the second rod.
             angles: angles of the rods to the surface's normal, rad.
             speeds: generalized speeds before the impact, m/s.
         """
@@ -101,33 +103,33 @@ class RodImpact:
         self.slip_stop = math.inf if self.first_slip else 0.0
 
     def _guided(self, freedom: Sequence[float], push: float) -> Array:
-        """Return the change of the generalized speeds per unit normal impulse on one freedom.
+        """Return the change of the generalized speeds per unit normal impulse in a guided motion.
 
-        The speeds stay proportional to ``freedom``; ``push`` is the power of the unit impulse at
-        these speeds.
+        A constraint makes the change proportional to ``freedom``. ``push`` is the power that the
+        impulse, per unit normal impulse, would have at the generalized speeds ``freedom``.
         """
         direction = np.array(freedom)
         return direction * (push / float(direction @ self.inertia @ direction))
 
     @property
     def kinetic_energy(self) -> float:
-        """Return the kinetic energy of the rods, J (Zhang 2020, eq. 2.93)."""
+        """Kinetic energy of the rods, J (Zhang 2020, eq. 2.93)."""
         return 0.5 * float(self.speeds @ self.inertia @ self.speeds)
 
     @property
     def velocity(self) -> list[float]:
-        """Return the (tangential, normal) velocity of the tip, m/s.
+        """Tangential and normal velocity of the tip, m/s.
 
-        A component no larger than rounding error is set to zero.
+        A component that is not larger than rounding error is set to zero.
         """
         values: list[float] = (self.tip @ self.speeds).tolist()
         return [each if abs(each) > self._least else 0.0 for each in values]
 
     def follow(self, part: str, mu: float, work: float | None = None) -> bool:
-        """Follow compression or restitution to its end.
+        """Advance the impact to the end of compression or of restitution.
 
-        The tip first slips until it stops; then it sticks or slips again until the end. Compression
-        ends where the normal velocity is 0, restitution where its normal work is done (2.87).
+        The tip first slips until it stops; then it sticks or slips again. Compression ends where
+        the normal velocity is 0, restitution where the normal work is ``work`` (2.87).
 
         Args:
             part: ``compression`` or ``restitution``.
@@ -172,7 +174,8 @@ class RodImpact:
     def resolve(self, mu: float, restitution: float, later: float) -> str:
         """Resolve the impact and return the name of its outcome.
 
-        ``mu`` is the coefficient of friction in compression, ``later`` the one in restitution.
+        ``mu`` is the coefficient of friction in compression, ``later`` that in restitution, and
+        ``restitution`` the energetic coefficient of restitution.
         """
         if not self.velocity[1] < 0.0:
             return "no contact"
@@ -186,10 +189,10 @@ class RodImpact:
 
 
 def until_zero(speed: float, gain: float) -> float:
-    """Return the normal impulse until a velocity of the tip is zero, N s.
+    """Return the normal impulse after which a component of the tip's velocity is zero, N s.
 
-    ``speed`` is the velocity, ``gain`` its change per unit normal impulse (eqs. 2.75, 2.76, 2.99,
-    2.100).
+    ``speed`` is this component (m/s), ``gain`` its change per unit normal impulse (1/kg). The
+    result is infinite if the component does not fall to zero (eqs. 2.75, 2.76, 2.99, 2.100).
     """
     return -speed / gain if min(speed, gain) < 0.0 < max(speed, gain) else math.inf
 
@@ -197,8 +200,8 @@ def until_zero(speed: float, gain: float) -> float:
 def until_work(speed: float, gain: float, work: float) -> float:
     """Return the further normal impulse that does a given normal work, N s.
 
-    It is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip, its change
-    v' per unit normal impulse, and the work W, J.
+    It is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip (``speed``,
+    m/s), its change v' per unit normal impulse (``gain``, 1/kg), and the work W (J).
     """
     if gain <= 0.0:
         return math.inf

@@ -27,17 +27,19 @@ import numpy as np
 from bristle_sim.arrays import Array
 
 RIGID = 1e-10
-"""Ratio of the root spring to the bending stiffness, k_T L/(E I_a), below which the first mode is
-computed as for a rigid rod.
+"""Ratio k_T L/(E I_a) of the root spring's stiffness to the bending stiffness, below which the
+first mode is computed as for a rigid rod.
 
-The relative error is about as large as the ratio. The equation of the beam, a difference of order
-lambda^3, would lose more digits."""
+The relative error is about as large as this ratio. The characteristic equation of the beam, a
+difference of order lambda^3, would lose more digits."""
 
 
 def second_moment_of_area(diameter: float) -> float:
-    """Return the second moment of area of a round wire of diameter d, pi d^4/64, in m^4.
+    """Return the second moment of area pi d^4/64 of a round wire of diameter d, m^4.
 
-    >>> print(f"{second_moment_of_area(2.0):.6f}")  # pi/4 of a radius of 1 m
+    For a diameter of 2 m it is pi/4:
+
+    >>> print(f"{second_moment_of_area(2.0):.6f}")
     0.785398
     """
     return math.pi * diameter**4 / 64.0
@@ -47,7 +49,7 @@ def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) 
     """Return the stiffness of the torsion spring between two rigid links of a wire, N m/rad.
 
     It is E I_a/l, with Young's modulus E, the second moment of area I_a, and the length l of a
-    link, the wire's length over the number of links.
+    link. l is the wire's length divided by the number of links.
 
     A wire of 2 m diameter, 4 m length and 1 Pa has E I_a = pi/4 N m^2; its two links are 2 m long:
 
@@ -68,9 +70,10 @@ def hinge_damping(
 ) -> float:
     """Return the constant of the torsional damper between two rigid links of a wire, N m s/rad.
 
-    It is 2 zeta k_w/omega_1, with the damping ratio zeta of the first bending mode, the stiffness
-    k_w of ``hinge_stiffness``, and the angular frequency omega_1 of the beam's first bending mode.
-    A mode of angular frequency omega then has the damping ratio zeta omega/omega_1.
+    It is 2 zeta k_w/omega_1, with the damping ratio zeta (``damping_ratio``) and the angular
+    frequency omega_1 of the beam's first bending mode, and the stiffness k_w of
+    ``hinge_stiffness``. A mode of angular frequency omega then has the damping ratio zeta
+    omega/omega_1.
     """
     first = beam_frequencies(mass, length, diameter, modulus, root_stiffness, 2)[1]
     return (
@@ -86,8 +89,9 @@ def beam_frequencies(
 ) -> Array:
     """Return the lowest natural frequencies of a wire as a beam (Hz), shape (modes,).
 
-    In the first mode the wire swings on the torsion spring at its root; the frequency is 0 without
-    the spring. The second mode is the first bending mode.
+    The root of the wire is hinged on a torsion spring, and its other end is free. In the first mode
+    the wire swings on the spring; without the spring the frequency is 0. The second mode is the
+    first bending mode.
 
     Args:
         mass: mass of the wire, kg.
@@ -97,8 +101,8 @@ def beam_frequencies(
         root_stiffness: stiffness of the torsion spring at the root, N m/rad.
         modes: number of modes, 1 to 50.
 
-    The hinged beam's first bending mode has lambda = 3.926602. Here E I_a/(m L^3) = 1, so that the
-    angular frequency is lambda^2 = 15.4182 rad/s:
+    Without the spring the first bending mode has the wave number lambda = 3.926602. Here E I_a/(m
+    L^3) = 1, so that the angular frequency is lambda^2 = 15.4182 rad/s:
 
     >>> frequencies = beam_frequencies(math.pi / 64.0, 1.0, 1.0, 1.0, 0.0, 2)
     >>> print(f"{math.tau * frequencies[1]:.4f}")
@@ -112,7 +116,7 @@ def beam_frequencies(
     ratio = root_stiffness * length / bending
 
     def characteristic(wave: float) -> float:
-        """Return the function that is zero at the dimensionless wave number lambda of each mode."""
+        """Return the characteristic function, whose roots are the modes' wave numbers lambda."""
         # Divided by cosh(wave), which would overflow.
         inverse = 1.0 / math.cosh(wave)
         sine, cosine = math.sin(wave), math.cos(wave)
@@ -138,12 +142,13 @@ def beam_frequencies(
 def chain_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> Array:
-    """Return the natural frequencies of a wire as a chain of equal rigid links, Hz, shape (links,).
+    """Return the natural frequencies of a chain of equal rigid links (Hz), shape (links,).
 
-    They are ascending. The arguments are those of ``beam_frequencies``, with the number of links.
+    They are ascending. The chain approximates a wire. The arguments are those of
+    ``beam_frequencies``, with the number of links instead of modes.
 
-    One link is a rigid rod on the spring at its root, here with the angular frequency
-    sqrt(k/(m L^2/3)) = 3 rad/s:
+    One link is a rigid rod on the spring at its root, here with the angular frequency sqrt(k/(m
+    L^2/3)) = 3 rad/s:
 
     >>> print(f"{math.tau * chain_frequencies(1.0, 1.0, 0.1, 1.0, 3.0, 1)[0]:.6f}")
     3.000000
@@ -159,12 +164,12 @@ def chain_modes(
     The squared angular frequencies are the generalised eigenvalues of the stiffness and mass
     matrices in the links' absolute angles. For n links of length l and mass m_l the mass matrix is
     M_jk = m_l l^2 (n - max(j, k) + 1/2) for j != k, and M_jj = m_l l^2 (n - j + 1/3), with j and k
-    from 1 to n. The arguments are those of ``beam_frequencies``, with the number of
-    links.
+    from 1 to n. The arguments are those of ``beam_frequencies``, with the number of links instead
+    of modes.
 
     Returns:
-        The frequencies, Hz, ascending, shape (links,); and the angles of the links in each mode, by
-        columns, shape (links, links).
+        The frequencies (Hz), ascending, shape (links,); and the angles of the links in each mode,
+        one mode a column, shape (links, links).
     """
     from scipy.linalg import eigh
 
