@@ -25,6 +25,7 @@ import numpy as np
 import pymunk
 import pytest
 import tqdm
+from matplotlib.figure import Figure
 
 from bristle_sim.cli import Scenario, command, main, output
 from bristle_sim.cli.scenario import load_scenario, script_paths
@@ -69,13 +70,14 @@ def run(body: Body, _law: Law) -> Report:
     )
 
 
-class Picture:
+class Picture(Figure):
     """Writes what it shows."""
 
     def __init__(self, report: Report) -> None:
+        super().__init__()
         self.shown = f"drawn {report.subject.mass}"
 
-    def savefig(self, path: Path, **_: Any) -> None:
+    def savefig(self, path: Path, **_: Any) -> None:  # type: ignore[override]
         path.write_text(self.shown)
 
 
