@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bristle_sim.scene import collisions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.collisions import resolve_impacts
 from bristle_sim.scene.contact import ActiveContact
@@ -10,9 +11,10 @@ from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.motion import Motion
-from bristle_sim.scene.pairs import WorkpartPair
+from bristle_sim.scene.pairs import BarPair, WorkpartPair
 from bristle_sim.scene.run import decide, run
 from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
+from bristle_sim.settings import StopReason
 
 ERROR = 1e-6
 """Error of angle and rate before an impact; terms of second order change its growth by 1e-5 or so."""
@@ -61,12 +63,21 @@ def test_an_error_grows_over_an_impact_as_neighbouring_runs_part(
     assert simulated.recording.error == pytest.approx(parted, rel=2e-3)
 
 
-def two_rods(rates: tuple[float, float], restitution: float) -> tuple[System, WorkpartPair]:
-    """Two hinged rods whose hinge and tip both touch planes, and the pair of the tip."""
-    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)))
-    state = State(0.0, (0.7, 1.2), rates)
+def two_rods(
+    rates: tuple[float, float],
+    restitution: float,
+    angles: tuple[float, float] = (0.7, 1.2),
+    frictions: tuple[float, float] = (0.1, 0.1),
+    hub: tuple[float, ...] = (),
+) -> tuple[System, WorkpartPair]:
+    """Two hinged rods whose hinge and tip both touch planes, and the pair of the tip; ``hub`` is its radius, speed and angle."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)), *hub)
+    state = State(0.0, angles, rates)
     ends = [pose.corners[-1].imag for pose in mechanism.poses(state)]
-    pairs = [WorkpartPair(-end, 0.1, 0.1, restitution, link=link) for link, end in enumerate(ends)]
+    pairs = [
+        WorkpartPair(-end, friction, friction, restitution, link=link)
+        for link, (end, friction) in enumerate(zip(ends, frictions, strict=True))
+    ]
     scene = Scene(mechanism, Effects(pairs=tuple(pairs)))
     return System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9)), pairs[1]
 
@@ -82,6 +93,55 @@ def test_an_impact_that_drives_a_parting_contact_together_is_followed_by_one_the
     assert min(system.approach(pair) for pair in system.pairs) >= -system.slow
     assert motion.contacts == ()
     assert set(motion.separating) == {hinge, tip}
+
+
+def test_a_blow_at_the_tip_that_jams_the_hinge_stops_the_run() -> None:
+    """The blow drives the hinge down, and the turning hub pushes the first rod along: friction of 4 locks it."""
+    system, tip = two_rods((1.0, -3.0), 0.5, (0.4, 0.9), (4.0, 0.1), (1.0, 1.0, -0.2))
+    hinge = system.pairs[0]
+    assert system.approach(hinge) > 0.0 > system.approach(tip)
+    resolve_impacts(system, Motion((), (hinge,)), tip, "strike", rests=False)
+    outcomes = [(links, record.outcome) for record, links in system.recording.contacts]
+    assert outcomes == [((1,), "rebound"), ((0,), "jam")]
+    assert system.recording.stop_reason is StopReason.JAM
+    assert [event.name for event, _ in system.recording.events] == ["strike", "jam"]
+
+
+def test_impacts_that_never_end_jam(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The hinge sticks between the rods' eleven impacts; four are permitted after the first."""
+
+    def struck() -> System:
+        system, tip = two_rods((0.05, -3.0), 0.5, (0.3, 0.7), (2.0, 2.0))
+        resolve_impacts(system, Motion((), (system.pairs[0],)), tip, "strike", rests=False)
+        return system
+
+    assert len(struck().recording.contacts) == 11
+    monkeypatch.setattr(collisions, "MOST_IMPACTS_AT_ONCE", 1)
+    system = struck()
+    assert len(system.recording.contacts) == 1 + 2**2
+    assert system.recording.stop_reason is StopReason.JAM
+    assert [event.name for event, _ in system.recording.events] == ["strike", "jam"]
+
+
+@pytest.mark.parametrize(("speed", "rate"), [(1.0, -1.2), (1.0, -3.0), (-1.0, 0.0), (-1.0, -1.0)])
+def test_a_rod_between_two_obstacles_is_wedged_if_its_joint_rises(
+    speed: float, rate: float
+) -> None:
+    """A level rod of length 1 lies on a plane at its tip and under a bar at its middle; U is its joint's speed upwards.
+
+    The gaps open at U + w and -(U + w/2), so that at any w the least opening rate is U + w - 2 U - w = -U.
+    """
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, speed, np.pi / 2.0)
+    tip = WorkpartPair(0.0, 0.0, 0.0, 0.5)
+    bar = BarPair(1.5 + 0.2j, 0.15, 0.05, 0.0, 0.5)
+    scene = Scene(mechanism, Effects(pairs=(tip, bar)))
+    state = State(0.0, (np.pi / 2.0,), (rate,))
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9))
+    assert system.approach(tip) == pytest.approx(speed + rate)
+    assert system.approach(bar) == pytest.approx(-(speed + 0.5 * rate))
+    resolve_impacts(system, Motion(), tip, "strike", rests=False)
+    wedged = system.recording.stop_reason is StopReason.JAM
+    assert wedged == (speed > 0.0)
 
 
 def test_slip_is_looked_up_anew_in_a_contact_that_outlasts_an_impact() -> None:

@@ -44,6 +44,14 @@ class TestStarts:
         ):
             run.at(0.0)
 
+    def test_in_contact_and_parting(self) -> None:
+        """The tip leaves the surface at once, so that no contact begins at the start."""
+        run = simulate(
+            BARE, start_hub_angle=-self.GAMMA, start_relative_rate=-583.8, stop_after="strike"
+        )
+        assert run.event_time("strike") == pytest.approx(1.32e-3, rel=1e-2)
+        assert [contact.time for contact in run.contacts] == [run.event_time("strike")]
+
     def test_in_contact_and_at_rest(self) -> None:
         """Hub at rest, the belt pulls the tip onto the surface: it stays there, by k a = N L sin a."""
         tool = replace(BARE, hub=Hub(speed=0.0), workpart=Workpart(penetration=0.003, friction=0.0))
@@ -152,6 +160,15 @@ class TestLimits:
     def test_bar_friction_that_locks_ends_in_a_jam(self) -> None:
         run = simulate(replace(TOOL, bar=replace(TOOL.bar, friction=20.0)))
         assert run.stop_reason == "jam"
+
+    @pytest.mark.parametrize("law", ["energetic", "compliant"])
+    def test_a_wire_that_points_ahead_jams_on_a_rough_workpart(self, law: str) -> None:
+        """Its tip leads the hub, which drives it into the surface: friction of 4 exceeds the cotangent of its slope."""
+        rough = replace(BARE, workpart=Workpart(friction=4.0)).replace(contact=law)
+        run = simulate(rough, start_hub_angle=0.0, start_relative_angle=0.9)
+        assert run.stop_reason == "jam"
+        assert [event.name for event in run.events] == ["strike", "jam"]
+        assert [contact.outcome for contact in run.contacts] == ["jam"]
 
     @pytest.mark.parametrize("speed", [20.0, 261.8])
     def test_a_thick_wire_jams_where_the_friction_cone_points_at_its_root(

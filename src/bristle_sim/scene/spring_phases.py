@@ -49,8 +49,7 @@ def begin_spring(
             approach the obstacle.
     """
     law = system.law_of(pair)
-    if not isinstance(law, CompliantLaw):
-        return None
+    assert isinstance(law, CompliantLaw)
     spring = law.spring(system.scene, system.state, pair, press)
     if spring is not None:
         look_up_slip(system, motion, spring)
