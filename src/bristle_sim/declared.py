@@ -233,8 +233,10 @@ class Range(Declaration):
         unit, size = self.display
         bare = f"{number:g}" if typed is None else typed.strip()
         fits = bare[-1].isdigit() and size < 1.0 and self._holds(scaled(number, size))
-        unreadable = value if math.isnan(number) else number
-        raise self.refusal(typed or unreadable, f"; did you mean {bare} {unit}?" if fits else "")
+        refused = value if math.isnan(number) else number
+        if self.whole and number.is_integer():
+            refused = int(number)
+        raise self.refusal(typed or refused, f"; did you mean {bare} {unit}?" if fits else "")
 
     def _holds(self, number: float) -> bool:
         """Return whether a number is in the range, and is whole if it must be."""

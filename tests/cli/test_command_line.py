@@ -550,7 +550,7 @@ def test_rows_of_a_csv_at_equal_intervals(tmp_path: Path, capsys: pytest.Capture
     capsys.readouterr()
     for options, words in (
         (["--interval", "0"], "interval = '0': must be a finite number with 0 < interval"),
-        (["--interval", "1ns"], "must give at most 1000000 rows"),
+        (["--interval", "1ns"], "--interval = 1e-09 s: must give at most 1000000 rows"),
     ):
         assert command.main([*given, *options]) == 2
         assert words in capsys.readouterr().err

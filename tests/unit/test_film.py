@@ -30,7 +30,7 @@ def run() -> Trajectory:
 class Dot(Film):
     """A dot that goes to the right, and fails on its way if told to."""
 
-    def __init__(self, width=64, height=48, fail=False):
+    def __init__(self, width=96, height=64, fail=False):
         super().__init__(slow_motion(0.0, 1.0, 1.0), width, height, (BLACK,))
         self.fail = fail
         axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -86,12 +86,12 @@ def test_a_failing_encoder_is_reported_and_leaves_no_file(tmp_path, monkeypatch)
 @pytest.mark.parametrize(
     ("name", "size", "fps", "words"),
     [
-        ("a.avi", (32, 24), 10.0, "ends in .gif, .mp4"),
-        ("none/a.gif", (32, 24), 10.0, "existing, writable folder"),
-        ("a.mp4", (33, 24), 10.0, "even numbers"),
-        ("a.gif", (8, 24), 10.0, "16 to 8192"),
-        ("a.gif", (32, 24), 60.0, "fps <= 50"),
-        ("a.mp4", (32, 24), math.nan, "fps = nan"),
+        ("a.avi", (96, 64), 10.0, "ends in .gif, .mp4"),
+        ("none/a.gif", (96, 64), 10.0, "existing, writable folder"),
+        ("a.mp4", (97, 64), 10.0, "even numbers"),
+        ("a.gif", (8, 24), 10.0, "64 to 8192"),
+        ("a.gif", (96, 64), 60.0, "fps <= 50"),
+        ("a.mp4", (96, 64), math.nan, "fps = nan"),
     ],
 )
 def test_bad_films_are_refused_before_the_first_frame(run, tmp_path, name, size, fps, words):
@@ -100,6 +100,12 @@ def test_bad_films_are_refused_before_the_first_frame(run, tmp_path, name, size,
     with pytest.raises(ValueError, match=words):
         pass_film(run, Tool(), width=size[0], height=size[1]).write(tmp_path / name, fps)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_smallest_film_has_letters(run, tmp_path):
+    pass_film(run, Tool(), width=64, height=64, duration=0.2).write(tmp_path / "a.gif", 10.0)
+    with pytest.raises(ValueError, match=r"^size = 63 x 64: must be 64 to 8192"):
+        pass_film(run, Tool(), width=63, height=64)
 
 
 def test_mp4_without_its_encoder_names_the_extra(tmp_path, monkeypatch):

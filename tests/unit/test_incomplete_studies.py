@@ -82,6 +82,7 @@ REFUSALS = [
         "^contact = energetic: must be compliant",
     ),
     (lambda: bent_bristles(Tool(), Settings()), "^contact = energetic"),
+    (lambda: bent_bristles(Tool(workpart=None), Settings()), "^contact = energetic"),
     (
         lambda: bent_bristles(
             Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100)

@@ -30,3 +30,11 @@ def test_a_whole_number_of_numpy_is_a_whole_number(name: str):
     for value in (0, 50.5, True, "many", 1e16):
         with pytest.raises(ValueError, match=rf"^{name} = [^\n]*: must be a whole number from 1 "):
             Settings(**{name: value})
+
+
+def test_a_refused_whole_number_is_shown_as_a_whole_number():
+    for value in (0, np.int64(0), 0.0):
+        with pytest.raises(ValueError, match=r"^maximum_steps = 0: must be a whole number"):
+            Settings(maximum_steps=value)
+    with pytest.raises(ValueError, match=r"^samples_per_period = 2000000000: must be"):
+        Settings(samples_per_period=2_000_000_000)

@@ -232,9 +232,7 @@ def _even_columns(subject: Any, step: float) -> Columns:
         raise ValueError("--interval: must be left out, this scenario has no motion to interpolate")
     rows = 1 + int((run.time[-1] - run.time[0]) / step)
     if rows > MOST_ROWS:
-        raise ValueError(
-            f"--interval = {step:g}: must give at most {MOST_ROWS} rows, not {rows} (in s)"
-        )
+        raise ValueError(f"--interval = {step:g} s: must give at most {MOST_ROWS} rows, not {rows}")
     instants = np.minimum(run.time[0] + step * np.arange(rows), run.time[-1])
     columns: Columns = run.at(instants).columns()
     return columns

@@ -168,8 +168,8 @@ def _size(text: str) -> dict[str, int]:
         )
     width = int(found[1])
     height = int(found[2])
-    if not 16 <= min(width, height) <= max(width, height) <= 8192:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be 16 to 8192 along either edge (in px)")
+    if not 64 <= min(width, height) <= max(width, height) <= 8192:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be 64 to 8192 along either edge (in px)")
     return {"width": width, "height": height}
 
 

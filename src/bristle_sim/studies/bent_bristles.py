@@ -41,6 +41,9 @@ MEASURES = {
 # largest forward slide of the three tips.
 RETRACTS = 0.05
 
+COMPLIANT = "must be compliant; another law has no path of the tip"
+"""Requirement on the contact law, in words."""
+
 Slides = Mapping[str, float | None]
 """Forward slide of the tip in its first strike (m) by the shape; None if the tip does not strike."""
 
@@ -79,9 +82,7 @@ def slide_measures(contact: ContactRecord) -> dict[str, float]:
         ValueError: if the contact has no time history. Only the compliant law records one.
     """
     if contact.history is None:
-        raise ValueError(
-            f"contact = {contact.law}: must be compliant; another law has no path of the tip"
-        )
+        raise ValueError(f"contact = {contact.law}: {COMPLIANT}")
     path = slide_path(contact.history)
     return {
         "forward_slide": float(path.max()),
@@ -103,6 +104,8 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         ValueError: if the contact law is not ``compliant``, or a pass exceeds its step budget
             before the strike.
     """
+    if tool.contact.law != "compliant":
+        raise ValueError(f"contact = {tool.contact.law}: {COMPLIANT}")
     knee = abs(tool.bristle.knee_angle_deg)
     runs = {
         shape: simulate(tool.replace(knee_angle_deg=sign * knee), settings)
