@@ -145,7 +145,7 @@ def test_the_cost_is_drawn_so_that_methods_differ_and_captions_are_of_what_is_dr
 
 def test_the_words_above_a_panel_name_both_methods():
     coarse = at("bristle_sim simulate", 1e-2, 2e-3)
-    assert verdict(1e-2, coarse, None) == "to $10^{-2}$: simulate 2 ms; no peer"
+    assert verdict(1e-2, coarse, None) == "to $10^{-2}$: simulate 2 ms; no other package"
     assert "none of our methods" in verdict(1e-2, None, coarse)
 
 

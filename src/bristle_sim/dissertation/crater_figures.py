@@ -74,8 +74,8 @@ in SI units. For the quantity that varies from curve to curve it holds the key a
 def map_figure() -> Redrawn:
     """Return figure 4.2: force and motion during compression.
 
-    The curves are the printed formulas; the points are a simulated contact. It begins with the
-    speed at which the dissertation's bristle strikes.
+    The curves are the printed formulas; the points are a simulated contact. The contact begins with
+    the speed at which the dissertation's bristle strikes.
     """
     k = PRINTED_KINEMATICS
     contact = bristle_contact(impulse=False)

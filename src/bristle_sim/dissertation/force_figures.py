@@ -137,8 +137,8 @@ def table() -> Redrawn:
 def bristle_contact(*, impulse: bool) -> TimedContact:
     """Simulate a contact of the bristle whose compression takes as long as that of eq. (3.19).
 
-    If ``impulse`` is true, the contact also has the compressive impulse of (3.19). Otherwise it
-    begins with the speed of the operating point.
+    If ``impulse`` is true, the contact also has the compressive impulse of (3.19). Otherwise the
+    contact begins with the speed of the operating point.
     """
     peak = BRISTLE.peak_time()
     return timed_contact(

@@ -28,9 +28,9 @@ COLOURS = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
 BEFORE = 0.6e-3
 AFTER = 1.1e-3
 MARKS: dict[str, style.Look] = {
-    "path before touch": {"linestyle": "--", "linewidth": 1.0},
-    "in touch": {"linewidth": 2.6},
-    "after touch": {"linewidth": 1.0},
+    "path before the contact": {"linestyle": "--", "linewidth": 1.0},
+    "during the contact": {"linewidth": 2.6},
+    "after the contact": {"linewidth": 1.0},
 }
 
 
@@ -45,9 +45,9 @@ def bent_figure(bent: BentBristles) -> Figure:
     panels = figure.subplot_mosaic([["wires", "paths"], ["slides", "slides"]], width_ratios=(1, 2))
     wires, paths, slides = panels.values()
     along = "along the workpart (mm)"
-    wires.set(title="the wires as they strike", xlabel=along, ylabel="above the workpart (mm)")
+    wires.set(title="the wires at the strike", xlabel=along, ylabel="above the workpart (mm)")
     paths.set(title="the tips' paths, from the point of strike", xlabel=along)
-    slides.set(title="in touch", xlabel="time since the first touch (µs)")
+    slides.set(title="during the contact", xlabel="time since the first touch (µs)")
     slides.set_ylabel("displacement of the tip\nalong the workpart (mm)")
     shapes: dict[str, style.Look] = {}
     drawn = []
@@ -117,8 +117,8 @@ BESIDE = 0.02
 STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
 LEAST = {
-    "least_pitch_to_strike_deg": ("no touch until the one in front strikes", ":"),
-    "least_pitch_to_own_strike_deg": ("no touch until its own strike", "--"),
+    "least_pitch_to_strike_deg": ("no touch until the preceding bristle strikes", ":"),
+    "least_pitch_to_own_strike_deg": ("no touch until the bristle itself strikes", "--"),
     "least_pitch_whole_pass_deg": ("no touch in the whole pass", "-."),
 }
 """Labels and line styles of the least pitches, by name.

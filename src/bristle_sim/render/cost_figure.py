@@ -84,9 +84,11 @@ def verdict(target: float, own: Point | None, peer: Point | None) -> str:
         peer: measured point of the fastest method of all other packages, or None.
     """
     if own is None:
-        return "none of our methods that integrate in time reaches the target errors"
+        return "none of our methods that integrate in time reaches a target error"
     said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
-    return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}; no peer"
+    return (
+        f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}; no other package"
+    )
 
 
 def _shown(point: Point) -> str:

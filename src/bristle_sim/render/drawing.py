@@ -195,9 +195,7 @@ def touch_places(lines: Sequence[Array], diameter: float) -> Array:
 
 
 class WireDrawing:
-    """Movable drawing of a wire and its root, and if requested of the radial line through the
-    root.
-    """
+    """Movable drawing of a wire with its root, and optionally the radial line through the root."""
 
     def __init__(
         self,

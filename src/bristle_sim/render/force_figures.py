@@ -82,10 +82,12 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
         ValueError: if ``whole`` is None, because the bristle completes no revolution.
     """
     if whole is None:
-        raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
+        raise ValueError(
+            "whole_tool: the bristle completes no turn, so that there is no force to draw"
+        )
     figure = blank_figure(16.0, 11.4)
     turn, axes = figure.subplots(2, height_ratios=(2, 3))
-    turn.set_title("one bristle in a turn, on the workpart")
+    turn.set_title("one bristle on the workpart, in a revolution of the hub")
     _draw_turn(turn, whole)
     assembly = whole.assembly
     axes.set_title(
@@ -132,4 +134,4 @@ def _draw_turn(axes: Axes, whole: WholeTool) -> None:
     draw_zero(axes)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("sustained force (N)", color=BLUE)
-    axes.set(xlabel="turn of the hub (°)", xlim=(0.0, 360.0), xticks=range(0, 361, 30))
+    axes.set(xlabel="angle of rotation of the hub (°)", xlim=(0.0, 360.0), xticks=range(0, 361, 30))

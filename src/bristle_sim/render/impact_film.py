@@ -148,7 +148,7 @@ class TipDrawing:
         self._newton = LONGEST_FORCE * height / (motion.largest("force") or 1.0)
         left = -float(motion.at(motion.touch_end, "away")[0])
         if left > -CRATER * path[:, 1].min():
-            why = f"It unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {amount(left, 'm')}, below\nthe old surface."
+            why = f"The contact unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {amount(left, 'm')} depth."
             axes.text(0.03, 0.03, why, transform=axes.transAxes, fontsize=7.0)
 
     def move(self, time: float) -> None:
@@ -186,7 +186,7 @@ class ImpactFilm(Film):
     ) -> None:
         if "compliant" not in impacts.strikes:
             raise ValueError(
-                "contact: not resolved in time for these values; there is no motion to film"
+                "contact: instantaneous with these values, so that there is no motion to film"
             )
         struck = impacts.strikes["compliant"]
         self.motion = motion = contact_motion(struck.contact)
@@ -211,7 +211,7 @@ class ImpactFilm(Film):
             for each in (compression_end(history), motion.touch_end)
         )
         surface = impacts.surface
-        words = f"compression {compressed} ({impacts.timing})\nin touch for {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
+        words = f"compression {compressed} ({impacts.timing})\ncontact {touched}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
         self.figure.text(0.98, 0.985, words, ha="right", va="top", color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:

@@ -63,7 +63,7 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
         axes.label_outer()
         axes.grid(visible=False)
         axes.plot([], [], color=BLACK, linewidth=0.9, label="lag zero")
-        label = "bar at its distance from the hub"
+        label = "bar at its given distance from the hub"
         axes.plot(distance * np.sin(arc), distance * np.cos(arc), "--", color=GREY, label=label)
         for (label, direction), (marker, colour) in zip(found.marks.items(), looks, strict=True):
             place = (distance * math.sin(direction), distance * math.cos(direction))

@@ -39,7 +39,8 @@ def measured_figure(compliance: float) -> Figure:
 
     The panels show the ratio of tangential velocities, the spin and the rebound angle. Points are
     measured. One curve is computed for a contact that is rigid along the surface, the other for an
-    elastic one. ``compliance`` is the ratio of its tangential to its normal compliance.
+    elastic contact. ``compliance`` is the ratio of tangential to normal compliance of the elastic
+    contact.
     """
     figure = blank_figure(16.0, 7.2)
     angle = np.linspace(0.5, 62.0, 400)
@@ -68,10 +69,10 @@ SMEAR = 9  # number of positions of the wire that are drawn for one exposure
 NEAREST: Look = {"color": BLACK, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
 EXPOSED: Look = {"color": BLACK, "linewidth": 3.0}
 LOOKS: dict[str, Look] = {
-    "as measured (none: not reached)": {"color": VERMILION},
+    "measured value (no line: not reached)": {"color": VERMILION},
     "nearest pair": NEAREST,
     "continuous motion": {"color": BLUE},
-    "in the camera's exposures": EXPOSED,
+    "during the camera's exposures": EXPOSED,
 }
 
 
@@ -91,9 +92,9 @@ def film_map_figure(film: FilmMap) -> Figure:
     maps[0].set_ylabel("damping ratio of the wire")
     frames, height = below.subplots(1, 2)
     exposure = MICROSECONDS * film.grid.exposure
-    frames.set_title(f"{film.grid.frame_rate:g} frames a second, exposure {exposure:g} µs")
+    frames.set_title(f"{film.grid.frame_rate:g} frames per second, exposure {exposure:g} µs")
     frames.set(xlabel="along the workpart (mm)", ylabel="above the hub's axis (mm)")
-    height.set_title("the tip over the workpart")
+    height.set_title("height of the tip above the workpart")
     height.set(xlabel="time from the strike (µs)", ylabel="height (mm)")
     _draw_frames(frames, height, film)
     write_key(figure, LOOKS)

@@ -104,13 +104,13 @@ def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
     """Choose the nodes of the page, and return the intervals between them.
 
     The last node is the first sample of the run at or after the time ``end`` (s). The first choice
-    of nodes is from the samples of the run. Then intervals with large errors are halved. This stops
-    when the interpolation is exact to the digits shown, or when the data reach their largest size.
+    of nodes is from the samples of the run. Intervals with large errors are then halved, until the
+    interpolation is exact to the digits shown or the data reach their largest size.
 
     Returns:
-        States at the beginning and at the end of every interval. The array has the shape (2, 2,
-        intervals, columns): beginning or end, value or time derivative, interval, and column as in
-        :func:`_states`. The second result is the largest error, divided by the permitted error.
+        The states at the beginning and at the end of every interval, and the largest error divided
+        by the permitted error. The states have the shape (2, 2, intervals, columns): beginning or
+        end, value or time derivative, interval, and column as in :func:`_states`.
     """
     motion = Interpolation(run, run.contacts)
     last = int(np.searchsorted(run.time, run.time[np.searchsorted(run.time, end)], side="right"))

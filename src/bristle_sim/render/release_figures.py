@@ -45,7 +45,7 @@ def cue_figure(timing: CueTiming) -> Figure:
     speed.sharex(retraction)
     speed.set(xlabel="time since release (ms)", ylabel="relative speed (rad/s)")
     _draw_motion(retraction, speed, timing)
-    plan.set(title="where the bar must stand; grey: as given", xlabel="x (mm)", ylabel="y (mm)")
+    plan.set(title="required bar positions; grey: given", xlabel="x (mm)", ylabel="y (mm)")
     _draw_plan(plan, timing)
     figure.legend(*speed.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
@@ -106,8 +106,8 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     """
     figure = blank_figure(16.0, 8.0)
     turn, phase = figure.subplots(1, 2)
-    turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
-    phase.set(xlabel="retraction (°)", ylabel="rate relative to the hub (rad/s)")
+    turn.set(xlabel="angle of rotation of the hub (°)", ylabel="retraction (°)")
+    phase.set(xlabel="retraction (°)", ylabel="angular velocity relative to the hub (rad/s)")
     contact = driven.pass_with_bar.first_contact("workpart")
     end = "no strike"
     if contact is not None:

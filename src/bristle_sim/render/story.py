@@ -64,12 +64,13 @@ def story_end(trajectory: Trajectory) -> float:
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
     """Return the events that figures label, in order of time; there are at most nine.
 
-    Up to the strike, and again after it, there is at most one event of each name. It is the first
-    of that name. Of releases it is the last, since earlier releases end brief touches.
+    An event name may occur once up to the strike and once after the strike. Of several events with
+    the same name the first is labelled. Of several releases the last is labelled, since the earlier
+    ones end brief touches.
 
     Args:
         trajectory: motion of the pass.
-        until: last time of an event, s.
+        until: time of the last event that is labelled, s.
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}

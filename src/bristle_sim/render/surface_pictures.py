@@ -51,7 +51,7 @@ def surface_figure(made: BlastedSurface) -> Figure:
     ground.set_title(
         f"Rz {MICROMETRES * made.rz:.0f} µm (measured {MICROMETRES * low:.0f} to {MICROMETRES * high:.0f} µm)"
         f" at {3600.0 * made.area_rate:.2f} m²/h, {100.0 * made.coverage:.1f} % covered,"
-        f" rule {made.blasting.crater_rule};\nthe tips slide to the right, the light comes from the left"
+        f" crater rule {made.blasting.crater_rule};\nthe tips slide to the right, the light comes from the left"
     )
     norm = _colours(made)
     _show_heights(ground, made, _lit(made, made.heights, norm))

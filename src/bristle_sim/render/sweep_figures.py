@@ -137,7 +137,7 @@ def tolerance_figure(study: Study) -> Figure:
         values = factor * study.values[number]
         left.hist(values, bins="auto", color=SKY, label="passes")
         middle = np.percentile(values, (2.5, 97.5))
-        left.axvspan(*middle, color=BLUE, alpha=0.12, linewidth=0.0, label="95 % of them")
+        left.axvspan(*middle, color=BLUE, alpha=0.12, linewidth=0.0, label="95 % of the passes")
         left.axvline(float(values.mean()), color=BLACK, linewidth=0.9, label="mean")
         left.set(yticks=[], xlabel=unit, title=title)
         chosen = np.argsort(-study.total[number])[:MOST]

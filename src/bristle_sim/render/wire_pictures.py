@@ -35,17 +35,22 @@ LOOKS = {
 
 @style.styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
-    """Draw the contact force of a bending wire's strike, and ratios of a bending to a rigid wire.
+    """Draw the contact force of a bending wire's strike, and compare bending wires with a rigid
+    one.
 
-    The ratios are those of impulse, peak force, time in contact and crater depth. They are drawn
-    over the number of links that model the wire, and over the duration of the rigid wire's contact.
+    Further panels show the ratio of a bending wire to the rigid one for impulse, peak force, time
+    in contact and crater depth. They are drawn over the number of links that model the wire, and
+    over the contact duration of the rigid wire.
     """
     figure = style.blank_figure(16.0, 12.5)
     panels = figure.subplot_mosaic([["force", "links"], ["duration", "duration"]])
     force, by_links, by_duration = panels.values()
     _draw_force(force, struck)
     by_links.set(xlabel="number of links", ylabel="wire / rigid bristle")
-    by_duration.set(xscale="log", xlabel="contact of the rigid bristle, $T$ (µs); dotted: as above")
+    by_duration.set(
+        xscale="log",
+        xlabel="contact duration of the rigid bristle, $T$ (µs); dotted: in the panel above",
+    )
     by_duration.set_ylabel(f"wire of {struck.strike.tool.bristle.links} links / rigid bristle")
     durations = study.durations * style.MICROSECONDS
     for name, (words, color, marker) in LOOKS.items():
@@ -128,7 +133,7 @@ class WireFilm(Film):
         for run, color in zip(self._runs, colors, strict=True):
             _draw_course(force, run, color)
         force.set_ylim(bottom=0.0)
-        force.set_title("normal force (N), as the arrow")
+        force.set_title("normal force (N), shown by the arrow")
         wave.set_title("bending moment along the wire (mN·m)")
         self.arrival = _draw_wave(wave, struck)
         artists = [each for wire in reversed(self.wires) for each in wire.artists]

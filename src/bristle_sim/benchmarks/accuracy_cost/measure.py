@@ -100,8 +100,8 @@ def by_method(tried: Iterable[Tried]) -> list[list[Tried]]:
 def measure(case: Case, tried: Iterable[Attempt], rounds: int) -> list[Point]:
     """Measure the error and the CPU time of every attempt at a case.
 
-    An attempt that raises an exception is not timed. ``rounds`` is the number of times that the
-    others are timed; the least time counts.
+    An attempt that raises an exception is not timed. Every other attempt is timed in each of the
+    ``rounds``, and its least time counts.
     """
     points = list[Point]()
     working = list[Attempt]()

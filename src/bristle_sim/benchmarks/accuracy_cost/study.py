@@ -104,15 +104,16 @@ class AccuracyCost:
 
 
 class Comparison(NamedTuple):
-    """The fastest own and the fastest other method that solve a case to a target error.
+    """The fastest method of this project and the fastest of all other packages, at one target
+    error.
 
     Attributes:
         case: name of the case.
         target: the target error.
-        ours: the point of this project's fastest method that integrates in time. It is None if no
-            method meets the target.
-        peer: the point of the fastest method of all other packages. It is None if no method meets
-            the target.
+        ours: measured point of this project's fastest method that integrates in time. It is None if
+            no method meets the target.
+        peer: measured point of the fastest method of all other packages. It is None if no method
+            meets the target.
     """
 
     case: str
