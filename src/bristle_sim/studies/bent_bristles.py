@@ -118,15 +118,19 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     for shape, run in runs.items():
         contact = run.first_contact("workpart")
         values = dict[str, float]()
-        phases: tuple[str, ...] = ("never strikes",)
-        if contact is None:
+        course = "never strikes"
+        if contact is None or contact.history is None:
             require_result(run, settings)
         else:
             events.append((f"{shape} strike", contact.time))
             values = slide_measures(contact)
-            phases = contact.phases
+            since = contact.history.time - contact.history.time[0]
+            farthest = 1e6 * since[slide_path(contact.history).argmax()]
+            course = (
+                f"{', '.join(contact.phases)}; farthest forward {farthest:.1f} us after the touch"
+            )
         slides[shape] = values.get("forward_slide")
-        remarks.append(f"{shape}: {', '.join(phases)}")
+        remarks.append(f"{shape}: {course}")
         for name, (label, unit) in MEASURES.items():
             words = f"{SHAPES[shape][0]}: {label}"
             quantities.append(Quantity(f"{shape}_{name}", unit, values.get(name), label=words))
