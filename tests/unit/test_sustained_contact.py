@@ -1,14 +1,17 @@
 """Rigid sustained contacts, against geometry and values by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact import RigidContacts, sums_of
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, WorkpartPair
+from bristle_sim.scene.simulate import simulate
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
@@ -106,3 +109,22 @@ def test_the_normal_force_is_the_last_or_the_last_that_would_pull(
     assert sums.tangential == pytest.approx(-0.2 * pushes[-1])
     assert sums.impulse_normal == pytest.approx(0.5 * sum(pushes))
     assert sums.work_tangential == pytest.approx(-0.02 * sum(pushes))
+
+
+@pytest.mark.parametrize("friction", [0.3, 1.0])
+def test_the_force_of_the_bar_jumps_where_its_slip_reverses(friction: float) -> None:
+    """The moment N (s + mu r), with the wire's radius r and the contact at s from the root, becomes N (s - mu r)."""
+    tool = Tool()
+    horizontal = tool.bar.horizontal - 0.002
+    bar = replace(tool.bar, friction=friction, horizontal=horizontal)
+    run = simulate(replace(tool, bar=bar, workpart=None), stop_after="bar release")
+    pushed = (run.normal_force[:-1] > 0.0) & (run.normal_force[1:] > 0.0)
+    jump = int(np.flatnonzero((np.diff(run.time) == 0.0) & pushed)[0])
+    hub = float(run.hub_angle[jump])
+    root = tool.hub.radius * np.array([math.sin(hub), -math.cos(hub)])
+    radius = 0.5 * tool.bristle.wire_diameter
+    distance = float(np.linalg.norm(np.array(bar.centre) - root))
+    place = math.sqrt(distance**2 - (bar.radius + radius) ** 2)
+    ratio = (place - friction * radius) / (place + friction * radius)
+    forces = run.normal_force[jump : jump + 2]
+    assert forces[1] / forces[0] == pytest.approx(ratio, rel=1e-4)
