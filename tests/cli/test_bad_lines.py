@@ -34,7 +34,7 @@ REFUSED = [
     ("tolerances --csv a.csv", "--csv a.csv"),  # of a scenario without a motion
     ("single_pendulum --write-tool tool.toml", "--write-tool"),  # of a scenario without a tool
     ("cue_and_impact --video a.gif --size big", "--size: 'big': must be WIDTHxHEIGHT, such as 1280x720 (in px)"),
-    ("cue_and_impact --video a.gif --size 0x0", "--size: '0x0': must be 64 to 8192 along either edge (in px)"),
+    ("cue_and_impact --video a.gif --size 0x0", "--size: '0x0': must be 64 to 8192 wide and 48 to 8192 high (in px)"),
     ("cue_and_impact --video a.gif --fps 0", "--fps: fps = '0': must be a finite number with 0 < fps <= 1e+06 (in 1/s)"),
     (f"cue_and_impact --json {'a' * 300}", "must be a file name of at most 255 bytes"),
     ("cue_and_impact --size 640x480", "--size: must be given with --video"),

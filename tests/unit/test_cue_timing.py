@@ -107,7 +107,10 @@ def test_nothing_cues_a_bristle_that_nothing_moves() -> None:
     limp = Tool(belt=Belt(stiffness=0.0), hub=Hub(speed=0.0))
     report = cue_timing(limp, math.radians(44.5), Settings(1e-3), with_reference=False)
     assert report.answer == "No bar cues this bristle: its relative speed has no maximum."
-    drawn = {each.get_gid() for each in panel(cue_figure(report.subject), "where the bar").patches}
+    drawn = {
+        each.get_gid()
+        for each in panel(cue_figure(report.subject), "required bar positions").patches
+    }
     assert not drawn & {"bar, simulated", "bar, formula"}
 
 
@@ -122,7 +125,7 @@ def test_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_need
     cued: Report,
 ) -> None:
     moved = Bar(horizontal=0.052, vertical=0.018)
-    plan = panel(cue_figure(dataclasses.replace(cued.subject, bar=moved)), "where the bar")
+    plan = panel(cue_figure(dataclasses.replace(cued.subject, bar=moved)), "required bar positions")
     bars = [each for each in plan.patches if isinstance(each, Circle) and each.get_gid()]
     drawn = {each.get_gid(): -1e-3 * np.array(each.get_center()) for each in bars}  # m
     assert drawn["bar as given"] == pytest.approx([0.052, 0.018])

@@ -168,8 +168,10 @@ def _size(text: str) -> dict[str, int]:
         )
     width = int(found[1])
     height = int(found[2])
-    if not 64 <= min(width, height) <= max(width, height) <= 8192:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be 64 to 8192 along either edge (in px)")
+    if not (64 <= width <= 8192 and 48 <= height <= 8192):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be 64 to 8192 wide and 48 to 8192 high (in px)"
+        )
     return {"width": width, "height": height}
 
 

@@ -154,9 +154,9 @@ class Film(ABC):
             colours: colours of the read-outs that follow time and slow-down.
             clock: unit of the displayed time, by default ms.
         """
-        if not all(64 <= edge <= 8192 for edge in (width, height)):
+        if not (64 <= width <= 8192 and 48 <= height <= 8192):
             raise ValueError(
-                f"size = {width} x {height}: must be 64 to 8192 along either edge (in px)"
+                f"size = {width} x {height}: must be 64 to 8192 wide and 48 to 8192 high (in px)"
             )
         self.warp = warp
         self.clock = clock or Scale(MILLISECONDS, "ms")
