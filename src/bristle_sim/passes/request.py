@@ -18,7 +18,7 @@ from bristle_sim.parameters.parts import mass_of_volume
 from bristle_sim.parameters.tool import CLEAR_OF_BAR, START, checked_tool
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.motion import pose_of
-from bristle_sim.passes.state import BAR, FLIES, ROWS, WORKPART, Chosen, Passes
+from bristle_sim.passes.state import FLIES, ROWS, Chosen, Passes
 from bristle_sim.units import likely_key
 
 MOST_RADIANS = (
@@ -234,22 +234,21 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     )
     start = np.full(size, START)
     window = np.full(size, -1.0)
-    met = strikes = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
+    met = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
     if tool.bar:
         window = half_window(radius, distance, (1.0 + reach) ** 2)
         bar_met = bar_angle + meeting_angle(radius, distance, reach)
         start = np.where(bar_met < START, bar_met - CLEAR_OF_BAR, start)
-        met = np.minimum(strikes, bar_met)
+        met = np.minimum(met, bar_met)
     own = np.radians(values["start_hub_angle_deg"])
     start = np.where(np.isnan(own), start, own)
     gravity = 1.5 * values["gravity"] / (length * speed**2)
-    end = start + request.hub_turn
-    # without weight a wire stays radial until it meets bar or workpart, where its pass begins
-    resting = (gravity == 0.0) & (met > start) & (start > met - np.pi) & (met < end) & (met < 0.0)
+    # without weight a wire stays radial until it meets bar or workpart; its flight begins just before
+    resting = (gravity == 0.0) & (met - CLEAR_OF_BAR > start) & (start > met - np.pi)
     undone = np.full(size, np.nan)
     rows = {
         "number": numbers,
-        "code": np.select([~resting, met < strikes], [FLIES, BAR], WORKPART),
+        "code": np.full(size, FLIES),
         "radius": radius,
         "stiffness": stiffness,
         "damping": 2.0 * values["belt_damping_ratio"] * np.sqrt(stiffness),
@@ -267,8 +266,8 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
         "window": window,
         "depth": depth,
         "start": start,
-        "end": end,
-        "hub_angle": np.where(resting, met, start),
+        "end": start + request.hub_turn,
+        "hub_angle": np.where(resting, met - CLEAR_OF_BAR, start),
         "release": undone,
         "release_angle": undone,
     }
