@@ -1,8 +1,7 @@
 """Declarations of parameters: default, unit, range, meaning and source in one place.
 
 A declaration checks every value that enters a parameter object, whether from Python, a file or the
-command line. It is also the documentation of its field and the entry in a script's list of
-parameters.
+command line. It also documents its field, and the key in a script's list of parameters.
 """
 
 import dataclasses
@@ -80,10 +79,7 @@ class Declaration:
         return "none" if value is None else str(value)
 
     def read(self, given: Any) -> Any:
-        """Return the checked value of a text or another object.
-
-        For an optional parameter, None and the text ``none`` give None.
-        """
+        """Return the checked value of any object; None and ``none`` give None if it is optional."""
         absent = given is None or (isinstance(given, str) and given.strip() == "none")
         return None if absent and self.optional else self.parse(given)
 
@@ -91,8 +87,7 @@ class Declaration:
         """Return a value after a check that it is a permitted text.
 
         Raises:
-            ValueError: if the value is not a text, is empty, or must be the name of a readable file
-                and is not. The message names key, value and rule.
+            ValueError: if it is no text or empty, or if a file cannot be read.
         """
         if isinstance(value, str) and value.strip():
             with suppress(OSError, ValueError):  # a name too long, a null character
@@ -170,10 +165,7 @@ class Range(Declaration):
 
     @property
     def display(self) -> tuple[str, float]:
-        """Customary unit of the number, such as mm, and the size of this unit in the declared unit.
-
-        The unit is "" for a pure number.
-        """
+        """Customary unit, such as mm, or "" for a pure number; and its size in the declared unit."""
         return display_unit(self.key, self.unit)
 
     def displayed(self, value: Any) -> str:
@@ -186,12 +178,11 @@ class Range(Declaration):
     def parse(self, text: Any) -> float:
         """Return the value of a typed number in the declared unit, after a check of its range.
 
-        A number with a unit, such as ``27mm``, is converted. A number without a unit is taken to be
-        in the declared unit. A value that is not a text is checked without conversion.
+        A number with a unit, such as ``27mm``, is converted; a number without a unit is in the
+        declared unit. A value that is not a text is checked without conversion.
 
         Raises:
-            ValueError: in one line, if the text is not a decimal number, its unit has another
-                dimension, or its value is out of range.
+            ValueError: if the text is no decimal number, or its dimension or value is not allowed.
         """
         if not isinstance(text, str):
             return self.check(text)
@@ -210,17 +201,14 @@ class Range(Declaration):
         return self.check(number, text)
 
     def check(self, value: Any, typed: str | None = None) -> float:
-        """Return a value after a check of its range, as a float, or as an int if it must be whole.
-
-        A negative zero becomes 0.
+        """Return a value in the range, as a float (0 for -0), or as an int if it must be whole.
 
         Args:
             value: value in the declared unit.
             typed: text from which the value was read; the message then shows this text.
 
         Raises:
-            ValueError: if the value is not a number or is out of range; the message names key,
-                value, range and unit.
+            ValueError: if it is no number in the range; the message names key, value and range.
         """
         try:
             real = not isinstance(value, bool) and isinstance(value, Real)
@@ -245,10 +233,7 @@ class Range(Declaration):
         return above and number <= self.highest and math.isfinite(number) and whole
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return the ValueError for a refused value.
-
-        ``why`` is a text that the message appends to the permitted range.
-        """
+        """Return the ValueError for a refused value; ``why`` follows the permitted range in it."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(
@@ -256,9 +241,7 @@ class Range(Declaration):
         )
 
     def unusual(self, value: Any, given: Any) -> str:
-        """Return a warning that a value is unusual; empty for a usual value.
-
-        If the number may have been meant in another unit, the warning says so.
+        """Return a warning that a value is unusual, with the unit that may be meant, or "".
 
         Args:
             value: value in the declared unit.
@@ -340,11 +323,7 @@ class Declared:
         cls.__doc__ = "\n".join(lines)
 
     def __new__(cls, *_: Any, **given: Any) -> Any:
-        """Refuse an unknown keyword argument, and suggest the most similar field.
-
-        Raises:
-            UnknownFieldError: for a keyword argument that is not a field.
-        """
+        """Refuse a keyword argument that is no field, and suggest the most similar field."""
         known = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
         for name in given:
             if name not in known:
@@ -356,8 +335,7 @@ class Declared:
     def __post_init__(self) -> None:
         """Check every declared field, and replace its value by the checked value.
 
-        A text such as "27 mm" becomes a number in the declared unit. An unusual value causes a
-        warning.
+        A text such as "27 mm" becomes a number; an unusual value causes a warning.
 
         Raises:
             ValueError: for a value that its declaration refuses.

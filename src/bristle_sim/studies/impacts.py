@@ -37,7 +37,6 @@ default accuracy.
 Usually the difference is a thousand times smaller; near the threshold of stick it decreases
 slowly with the duration of the contact."""
 
-
 AT_REST = 1e-13
 """Largest angular velocity after an impact that counts as zero, divided by the largest one before
 it. Also the largest tangential work that counts as zero, divided by the normal work."""
@@ -51,7 +50,6 @@ a contact resolved in time, at which the slide of the tip is compared with theor
 The tip of a bristle that is nearly parallel to the surface slides by this rotation alone, which the
 closed form leaves out. At the given ratio the tangential work differs by 2e-3."""
 MOST_WIDENED = 1e-3  # largest amount by which magnified rounding errors widen a relative tolerance
-
 
 IMPULSES = ("normal_compressive_impulse", "normal_final_impulse")
 

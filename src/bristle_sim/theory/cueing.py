@@ -68,8 +68,7 @@ def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """Return the angle between the tip and the root as seen from the hub's centre, rad.
 
-    It is the angle A of Zhang (2020), fig. 2.3, by which a retracted tip lags its root. Lengths are
-    in m, the retraction is in rad.
+    It is the angle A of Zhang (2020), fig. 2.3. Lengths are in m, the retraction is in rad.
 
     >>> print(f"{np.degrees(tip_lag(1.0, 1.0, np.pi / 2.0)):.6f}")  # an isosceles right triangle
     45.000000
@@ -90,11 +89,10 @@ def retraction_at_bar(
     inverse of ``tip_radius``.
 
     Args:
-        bar_horizontal: coordinate of the bar along the workpart, from the hub's centre, m.
-        bar_vertical: coordinate of the bar normal to the workpart, from the hub's centre, m.
+        bar_horizontal, bar_vertical: coordinates of the bar from the hub's centre, along and normal
+            to the workpart, m.
         bar_reach: distance from the bar's centre to the wire's axis, m.
-        hub_radius: radius of the hub, m.
-        length: length of the wire, m.
+        hub_radius, length: radius of the hub and length of the wire, m.
 
     Raises:
         ValueError: if no retraction puts the tip at this distance from the hub's centre.
@@ -116,10 +114,10 @@ def retraction_at_bar(
 
 
 def natural_rate(stiffness: Number, inertia: Number) -> Number:
-    """Return the natural angular frequency of the bristle on its belt, sqrt(k/I), rad/s.
+    """Return the natural angular frequency sqrt(k/I) of the bristle on its belt, rad/s.
 
-    The belt stiffness k is in N m/rad, the inertia I about the root in kg m^2. On a rotating hub
-    the centrifugal stiffness must be added to k.
+    The belt stiffness is k (N m/rad), the inertia about the root I (kg m^2). A hub's rotation adds
+    the centrifugal stiffness to k.
 
     >>> print(f"{natural_rate(9.0, 4.0):.6f}")
     1.500000
@@ -150,8 +148,7 @@ def stiffened_highest_speed(
     theta_p at release (rad), the belt stiffness k and the centrifugal stiffness g (N m/rad), and
     the inertia I about the root (kg m^2).
 
-    Without a belt, released at 90 deg, the bristle is a pendulum with the angular velocity sqrt(2
-    g/I):
+    Released at 90 deg without a belt, the bristle is a pendulum, fastest at sqrt(2 g/I):
 
     >>> print(f"{stiffened_highest_speed(np.pi / 2.0, 0.0, 2.0, 1.0):.6f}")
     2.000000
@@ -190,8 +187,8 @@ def stiffened_cue_time(
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
     """Return the time from release at rest to the highest relative angular velocity, s.
 
-    The belt is damped, and the centrifugal stiffness is neglected. With the natural angular
-    frequency Omega (rad/s) and the damping ratio zeta the time is
+    The centrifugal stiffness is neglected. With the natural frequency Omega (rad/s) and the damping
+    ratio zeta of the belt the time is
 
         t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
 
@@ -208,9 +205,8 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
     """Return the highest relative angular velocity of a bristle on a damped belt, rad/s.
 
-    It is relative to the hub, and equals theta_p Omega e^(-zeta f(zeta)), with the retraction
-    theta_p at release (rad), the natural angular frequency Omega (rad/s), the damping ratio zeta,
-    and f of ``damped_cue_time``.
+    It equals theta_p Omega e^(-zeta f(zeta)), with the retraction theta_p at release (rad), the
+    natural frequency Omega (rad/s), the damping ratio zeta, and f of ``damped_cue_time``.
 
     >>> print(f"{damped_highest_speed(0.5, 2.0, 0.0):.6f} {damped_highest_speed(0.5, 2.0, 1.0):.6f}")  # times 1/e when critical
     1.000000 0.367879
@@ -236,8 +232,8 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
         time: time t since the release, s.
 
     Returns:
-        The retraction (rad); and the angular velocity relative to the hub (rad/s), which is
-        positive while the retraction decreases.
+        The retraction, rad.
+        The angular velocity relative to the hub (rad/s), positive while the retraction decreases.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     decay = tool.belt.damping_ratio * rate
@@ -247,9 +243,8 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
     swing = np.cos(turns)
     drift = time * np.sinc(turns / np.pi)
     fading = np.exp(-decay * time)
-    return retraction * fading * (
-        swing + decay * drift
-    ).real, retraction * rate**2 * fading * drift.real
+    position = retraction * fading * (swing + decay * drift).real
+    return position, retraction * rate**2 * fading * drift.real
 
 
 def _phase(damping_ratio: Number) -> Number:
@@ -274,8 +269,8 @@ class Cue:
         bar_distance: distance of the bar from the hub's centre, m.
         bar_direction: angle between the workpart's normal and the line from the hub's centre to the
             bar, tip_lag + hub_turn + impact_angle, rad.
-        bar_horizontal: coordinate of the bar along the workpart, from the hub's centre, m.
-        bar_vertical: coordinate of the bar normal to the workpart, from the hub's centre, m.
+        bar_horizontal, bar_vertical: coordinates of the bar from the hub's centre, along and normal
+            to the workpart, m.
     """
 
     impact_angle: float
@@ -293,8 +288,8 @@ class Cue:
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the bar's position by the dissertation's formulas, and the bristle's motion.
 
-    The damping of the belt is included, the centrifugal stiffness is neglected. ``retraction`` is
-    the retraction at release, rad.
+    They include the belt's damping and neglect the centrifugal stiffness. ``retraction`` is that at
+    the release, rad.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     damping = tool.belt.damping_ratio
@@ -305,15 +300,11 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the bar's position with the centrifugal stiffness included, and the bristle's motion.
 
-    The damping of the belt is neglected. Without damping the result is exact. ``retraction`` is the
-    retraction at release, rad.
+    The belt's damping is neglected; without damping the result is exact. ``retraction`` is that at
+    the release, rad.
     """
-    swing = (
-        retraction,
-        tool.belt.stiffness,
-        field_stiffness(tool),
-        tool.bristle.inertia_about_root,
-    )
+    inertia = tool.bristle.inertia_about_root
+    swing = (retraction, tool.belt.stiffness, field_stiffness(tool), inertia)
     return placed_cue(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
 
 
@@ -327,10 +318,10 @@ def field_stiffness(tool: Tool) -> float:
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
     """Return the bar's position for a bristle that is fastest at a given time after its release.
 
-    The bar stands at S sin(A + theta_1 + gamma) along the workpart and S cos(A + theta_1 + gamma)
-    normal to it (Zhang 2020, eq. 2.1), with the tip lag A, the hub's rotation theta_1 in the cue
-    time and the impact angle gamma. The distance S is the tip's distance from the hub's centre plus
-    the radius of the bar plus half the wire's diameter. The dissertation neglects this diameter.
+    It stands at S sin(A + theta_1 + gamma) along the workpart and S cos(A + theta_1 + gamma) normal
+    to it (Zhang 2020, eq. 2.1), with the tip lag A, the hub's rotation theta_1 in the cue time and
+    the impact angle gamma. S is the tip's distance from the hub's centre plus the bar's radius plus
+    half the wire's diameter, which the dissertation neglects.
 
     Args:
         tool: the tool; it must have a bar and a workpart.

@@ -1,5 +1,4 @@
-"""The result of an impact at one point, and the computation of its phases, for every coefficient of
-restitution.
+"""The result of an impact at one point, and its phases, for every coefficient of restitution.
 
 Within a phase of constant slip direction (or stick) the velocities are linear in the normal impulse
 and the works quadratic, so that each phase ends in closed form. Slip ends where v_t = 0,
@@ -27,11 +26,10 @@ OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
 """Names of the outcomes of an impact, by their codes.
 
 ``no contact``: the point does not approach. ``rebound``: restitution ends with a normal velocity
-v_n > 0. ``no rebound``: the coefficient of restitution is 0, or restitution ends with v_n = 0. This
-happens when Poisson's impulse is reached while the point slips without separating, or when v_n is
-below the smallest float. ``stiction``: compression ends, but no impulse can separate the point from
-the surface again (the jam of one degree of freedom, mu >= tan gamma). ``jam``: the point sticks
-before compression ends, and no impulse can end compression; the rigid-body law has no solution.
+v_n > 0. ``no rebound``: the coefficient of restitution is 0, or restitution ends with v_n = 0, for
+example at Poisson's impulse in slip at rest. ``stiction``: compression ends, but no impulse can
+separate the point from the surface again (the jam of one degree of freedom, mu >= tan gamma).
+``jam``: the point sticks, and no impulse ends compression; the rigid-body law has no solution.
 """
 
 PHASES = ("compression", "compression after slip", "restitution", "restitution after slip")
@@ -41,9 +39,8 @@ KNIFE_EDGE = 1e-6
 """Normal speed, as a fraction of the speed of approach, up to which a sticking point with one
 degree of freedom counts as being at rest.
 
-An example is the tip of a radial bristle, up to rounding error and the error of the time of the
-strike. Such a point neither jams nor rebounds: a rebound with the normal work W would require an
-unbounded impulse W/v_n."""
+An example is the tip of a radial bristle. Such a point neither jams nor rebounds: a rebound with
+the normal work W would require an unbounded impulse W/v_n."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon
 """Change of the normal velocity per unit normal impulse in stick, as a fraction of K_nn, below
@@ -54,9 +51,8 @@ which it is rounding error. The point then has one degree of freedom."""
 class Impact(EqualByValue):
     """The result of an impact, or of an array of impacts.
 
-    Each attribute is a float for a single impact, or an array of the broadcast shape. Impulses act
-    on the contact point of the moving body; normal impulses are positive. The works are those of
-    the impulses on the bodies.
+    Each attribute is a float for a single impact, or an array of the broadcast shape. Impulses, and
+    their works, are those on the moving body; normal impulses are positive.
 
     Attributes:
         impulse_normal, impulse_tangential: total impulse, N s.
@@ -108,11 +104,7 @@ class Impact(EqualByValue):
 
     @property
     def phases(self) -> tuple[str, ...]:
-        """Return the names of the phases of a single impact in order.
-
-        Each name consists of compression or restitution and the motion of the point, as in
-        ``("compression slip", "restitution reverse slip")``.
-        """
+        """Return the names of a single impact's phases in order, as in ``restitution stick``."""
         slips = self.phase_slip.tolist()
         names = []
         for name, impulse, slip in zip(PHASES, self.phase_impulse.tolist(), slips, strict=True):
@@ -150,7 +142,7 @@ class InverseMass(NamedTuple):
 
 
 class Target(NamedTuple):
-    """The values at which restitution ends, for each of the three laws.
+    """The values at which restitution ends.
 
     Attributes:
         work: normal work that restitution has still to do (Stronge), J.
@@ -194,8 +186,7 @@ End = Callable[[Number, Number, Target], Number]
 def energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
     """Return the normal impulse (N s) at which restitution ends by the energetic coefficient.
 
-    ``velocity`` is the normal velocity (m/s), ``compliance`` its change per unit normal impulse
-    (1/kg).
+    ``velocity`` is the normal velocity, ``compliance`` its change per unit normal impulse.
     """
     # The root of v p + a p^2/2 = W in the form without cancellation; a work that underflows takes
     # no impulse.
@@ -219,18 +210,13 @@ def resolve_phases(
     """Resolve rigid impacts phase by phase, without a check of the arguments.
 
     Args:
-        k_nn: entry K_nn of the inverse mass matrix, 1/kg.
-        k_nt: entry K_nt, which couples normal and tangential direction, 1/kg.
-        k_tt: entry K_tt, 1/kg.
-        normal: normal velocity before the impact, m/s.
-        tangential: tangential velocity before the impact, m/s.
+        k_nn, k_nt, k_tt: entries of the inverse mass matrix, 1/kg.
+        normal, tangential: velocity before the impact, m/s.
         friction: coefficient of friction in compression.
         restitution: coefficient of restitution e.
         restitution_friction: coefficient of friction in restitution.
-        stick_compliance: change of the normal velocity per unit normal impulse in stick, 1/kg; by
-            default computed from the matrix.
-        end: function that returns the normal impulse at which restitution ends; by default that of
-            the energetic coefficient.
+        stick_compliance: response in stick, 1/kg; by default it follows from the matrix.
+        end: function that returns the normal impulse at which restitution ends.
     """
     mass = inverse_mass_of(k_nn, k_nt, k_tt, stick_compliance)
     approaching = normal < 0.0
@@ -254,8 +240,7 @@ def resolve_phases(
     settled = _settled(mass, restitution_friction)
     fourth = _phase(state, mass, restitution_friction, settled, still_open, left, end)
 
-    # Poisson's restitution ends at an impulse, even where no impulse can part a point of one degree
-    # of freedom.
+    # Poisson's restitution ends at an impulse even where no impulse can part the point.
     stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
     parted = select(state.normal > 0.0, REBOUND, NO_REBOUND)
     ending = select(restitution == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
@@ -280,11 +265,7 @@ def resolve_phases(
 
 
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
-    """Return the inverse mass matrix with its response in stick.
-
-    ``stick`` is the change of the normal velocity per unit normal impulse in stick, 1/kg. With None
-    the function computes it from the matrix.
-    """
+    """Return the inverse mass matrix with its response in stick, if None computed from it."""
     ratio = select(k_tt > 0.0, quotient(k_nt, k_tt), 0.0)
     if stick is None:
         difference = k_nn - ratio * k_nt
@@ -293,11 +274,7 @@ def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | No
 
 
 def _settled(mass: InverseMass, mu: Number) -> Number:
-    """Return the direction in which the point slips after its initial slip has stopped.
-
-    The result is 0 if friction can hold the point, otherwise the sign of the entry K_nt of the
-    inverse mass matrix.
-    """
+    """Return the sense of slip after the initial slip: 0 if friction holds, else the sign of K_nt."""
     holds = mu * mass.tangential >= abs(mass.coupling)
     return select(holds, 0.0, sign(mass.coupling))
 
