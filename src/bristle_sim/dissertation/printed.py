@@ -102,7 +102,7 @@ A value that has neither a remark nor an allowance may be a plain number."""
 
 
 def within(value: Any, bound: float, why: str = "") -> Figure:
-    """Return the computed value for a statement that holds if ``abs(value) < bound``.
+    """Return a computed value, and whether it satisfies ``abs(value) < bound``.
 
     ``why`` is the remark on the value.
     """
@@ -110,7 +110,7 @@ def within(value: Any, bound: float, why: str = "") -> Figure:
 
 
 def above(value: Any, bound: float, why: str = "") -> Figure:
-    """Return the computed value for a statement that holds if ``value > bound``.
+    """Return a computed value, and whether it satisfies ``value > bound``.
 
     ``why`` is the remark on the value.
     """

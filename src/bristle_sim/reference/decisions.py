@@ -229,9 +229,10 @@ def change_phase(system: System, each: Compliant, state: State) -> State:
 
 
 def stop_foot(system: System, each: Compliant, state: State) -> State:
-    """Let the foot of a tangential spring stick where its slip has fallen to zero.
+    """Let the foot of a tangential spring stick at the instant at which its slip velocity is zero.
 
-    The slip velocity at the located instant is rounding error of either sign, so it cannot decide.
+    The foot always sticks. The sign of its slip velocity at this instant is a rounding error, so
+    the sign does not decide between stick and reversed slip.
     """
     _hold_foot(system, each, state)
     return decide(system, state, stopped=each)

@@ -70,12 +70,11 @@ class Event(NamedTuple):
     extreme: bool = False
 
     def ahead(self, instant: Instant, zero: float = 0.0) -> Event:
-        """Return the event shifted so that it cannot occur at the start of the interval.
+        """Return an event with a shifted level, which cannot occur at the start of the interval.
 
-        The shifted event occurs where the event function has passed the level ``zero`` by its
-        resolution. If the function is already past this level at the start of the interval
-        (``instant``), the event occurs where it has passed its value at the start by its
-        resolution.
+        The event function crosses the level in the event's direction. The level lies beyond
+        ``zero`` by the event's resolution. If the function is beyond ``zero`` already at the start
+        of the interval (``instant``), the level lies beyond its value there by the resolution.
         """
         value = self.value
         passed = max(self.direction * (value(instant) - zero), 0.0)

@@ -59,16 +59,18 @@ SAMPLES_OF_A_SWING = 5
 
 @dataclass(eq=False)
 class CompliantLaw(ContactLaw):
-    """The law of contacts with springs, which are simulated over their duration.
+    """The law of contacts that last some time, with a spring between the two points.
+
+    The spring's stiffness is given, or follows from the duration, or follows from the accuracy.
 
     Args:
-        duration: duration of the first contact, engine units, without tangential compliance. For a
-            wire that bends it is the duration that the contact would have if the wire were rigid
-            and had no friction. If it is None, every contact is so short that its outcome agrees
-            with the rigid-body limit to ``accuracy``.
+        duration: duration of the first contact, engine units. It holds for a rigid wire without
+            friction and without tangential compliance; in other contacts it sets the stiffness
+            alone. If it is None, every contact is so short that its outcome agrees with the
+            rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
-        stiffness: stiffness of the spring in compression, engine units; by default it follows from
-            ``duration``. If a stiffness is given, ``duration`` is only an estimate.
+        stiffness: stiffness of the spring in compression, engine units. If it is given, it is used
+            in place of the stiffness that follows from ``duration``.
         tangential_compliance: tangential compliance eta^2, dimensionless.
         time_unit: unit of time of the scene (s) for messages.
     """

@@ -154,9 +154,16 @@ class Search:
         return np.array([goal, *excesses])
 
     def misses(self, fractions: Array) -> Array:
-        """Return the deviations from the conditions, 0 where a quantity is below its upper limit.
+        """Return the deviations from the wanted values and the excesses above the upper limits.
 
-        They are divided by the quantities' standard deviations. The shape is (conditions, points).
+        Each is divided by its quantity's standard deviation. An excess is 0 below the limit.
+
+        Args:
+            fractions: points as fractions of the ranges of the varied keys, shape (keys, points).
+
+        Returns:
+            One row for each wanted value, then one for each upper limit; shape (conditions,
+            points).
         """
         found = self.costs(fractions)[1:]
         limits = slice(len(self.want), None)

@@ -233,14 +233,16 @@ class _Contacts:
     def turn(
         self, at: Number, before: Contact, after: Contact, event: Number, over: Number
     ) -> None:
-        """Store the states of contacts after their events, and choose the phases of their totals.
+        """Store the states of contacts after their events, and select their next phases.
+
+        The next phase is the row of ``totals`` to which the impulses that follow are added.
 
         Args:
             at: indices of the contacts.
             before: contacts before the phase that has ended.
-            after: contacts after their events.
+            after: contacts after their events, one for each index in ``at``.
             event: events that ended the phase.
-            over: whether each contact has ended.
+            over: whether each contact has ended. A contact that has ended gets no new phase.
         """
         self.rows[MOTION:, at] = after[MOTION:]
         line = event == LINE
