@@ -9,8 +9,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from bristle_sim.scene.contact import LEAST_SLIP, ActiveContact, Outcome
 from bristle_sim.scene.impacts import ENERGETIC, EnergeticLaw
 from bristle_sim.scene.mechanism import State, cross
@@ -228,9 +226,9 @@ def propagate_error(
     touch = system.closest(pair, before)
     approach, slip = touch.velocity
     earlier = next((each for each in reversed(recording.states) if each.time < before.time), before)
-    rates = np.array(before.rates)
-    accelerations = (rates - earlier.rates) / (before.time - earlier.time or math.inf)
-    jumps = np.array(record.rates_after) - rates
+    span = before.time - earlier.time or math.inf
+    accelerations = [(b - a) / span for a, b in zip(earlier.rates, before.rates, strict=True)]
+    jumps = [b - a for a, b in zip(before.rates, record.rates_after, strict=True)]
     snap = abs(slip - record.velocity_before[1])
     jams = pair.friction * abs(slip) >= abs(approach)
     undecided = snap > (0.0 if jams else error)
@@ -242,10 +240,10 @@ def propagate_error(
         ``off`` is the difference of its angular velocities from the simulated ones, ``late`` the
         time after the touch.
         """
-        moving = rates + off
-        angles = before.angles + (error + late * moving)
-        moving = moving + late * accelerations
-        state = State(before.time + late, tuple(angles.tolist()), tuple(moving.tolist()))
+        moving = [rate + off for rate in before.rates]
+        angles = [a + error + late * u for a, u in zip(before.angles, moving, strict=True)]
+        rates = [u + late * b for u, b in zip(moving, accelerations, strict=True)]
+        state = State(before.time + late, tuple(angles), tuple(rates))
         return system.closest(pair, state)
 
     for off in (error, -error):
@@ -256,14 +254,16 @@ def propagate_error(
         other = early if stays else neighbour(off, late)
         # A jump is proportional to the approach speed. That of a single link is also proportional
         # to 1/lever.
-        jump = approach
+        expected = approach
         changed = other.velocity[0]
         if system.mechanism.single_link:
-            jump *= cross(other.arm, other.normal)
+            expected *= cross(other.arm, other.normal)
             changed *= cross(touch.arm, touch.normal)
-        part = changed / (jump or math.nan) - 1.0
+        part = changed / (expected or math.nan) - 1.0
         if undecided or not abs(part) < MOST_CHANGED_APPROACH:
             recording.lost = before.time
             return
-        changes = [*abs(error - jumps * late), *abs(off + jumps * part)]
-        recording.error = max(recording.error, *map(float, changes))
+        changes = [
+            abs(change) for jump in jumps for change in (error - late * jump, off + part * jump)
+        ]
+        recording.error = max(recording.error, *changes)

@@ -188,7 +188,8 @@ def _touch(
             dip = first_touch(system.mechanism, closest, interval, error, 0.0, within / length)
             if dip is not None:
                 return _search_hop(system, interval, pair, dip * length)
-        opens = opening.velocity[0] > 0.0 and opening.gap > GAP_ROUNDING + error
+        near_start = min(1.0, NEAR_START * (within / length) ** 2)
+        opens = opening.gap > GAP_ROUNDING + near_start * error
         if length <= begin or not opens:
             return _search_hop(system, interval, pair, begin)
     else:
