@@ -267,6 +267,23 @@ class TestStick:
         assert law.outcome == in_time.outcome == "jam"
         assert in_time.impulse == pytest.approx(law.impulse, rel=2e-6)
 
+    def test_that_jams_to_the_other_side_is_the_mirror_image(self) -> None:
+        rod, _ = self.JAMMED
+        mirrored = dataclasses.replace(
+            rod,
+            angles=(-0.5,),
+            rates=(-rod.rates[0],),
+            hub_speed=-rod.hub_speed,
+            hub_angle=-rod.hub_angle,
+        )
+        contact = Contact("compliant", tangential_compliance=0.05)
+        there, here = (
+            strike(each, Surface(1.0, None, 0.4), contact, Settings(accuracy=1e-8)).contact
+            for each in (dataclasses.replace(rod, angles=(0.5,)), mirrored)
+        )
+        assert there.outcome == here.outcome == "jam"
+        assert here.impulse == pytest.approx((there.impulse[0], -there.impulse[1]), rel=1e-6)
+
     def test_that_jams_for_the_rigid_law_alone(self) -> None:
         """Ten times 0.1 ms later the hub's root has hardly moved on, by 6e-4: the record ends where the tip stuck."""
         limit = strike(*self.JAMMED, Contact(), Settings()).contact

@@ -106,3 +106,17 @@ def test_error_of_random_flights_is_within_estimate_and_accuracy(
     assert np.mean(np.array(shares) <= 1.0) >= 0.99
     assert 1e-3 < median < 1.0
     assert all(met)
+
+
+def test_with_damping_no_error_estimate_is_below_a_tenth_of_the_one_before() -> None:
+    """A difference of two results that is small by chance is not trusted where damping is fast."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 1.0, 0.2)
+    scene = Scene(mechanism, Effects(stiffness=0.3, damping=0.2))
+    raised = 0
+    for duration in (0.02, 0.05, 0.1, 0.2):
+        stepper = Extrapolation(1e-9, damped_step=1.0)
+        result = stepper.advance(scene, State(0.0, (0.5,), (0.3,)), duration)
+        *_, before, last = result.errors.values()
+        assert result.error == min(max(last, 0.1 * before), stepper.noise)
+        raised += result.error > last
+    assert raised > 0

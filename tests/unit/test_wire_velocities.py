@@ -1,4 +1,4 @@
-"""The linear solve that keeps joints and contacts of a wire: its order, and a contact without lever."""
+"""The linear solve that keeps joints and contacts of a wire: its order, a contact without lever, one in a bend, and the way back."""
 
 import itertools
 
@@ -8,7 +8,7 @@ import pytest
 from bristle_sim.parameters import Belt, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.pairs import ClosedPair, WorkpartPair
+from bristle_sim.scene.pairs import BarPair, ClosedPair, WorkpartPair
 from bristle_sim.scene.tool import build_tool
 
 
@@ -46,3 +46,39 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     assert impulses[:2] == [0.0, 0.0]
     rates = [body.angular_velocity for body in scene.links]
     assert rates == pytest.approx([0.3, -0.2], rel=1e-12)
+
+
+@pytest.mark.parametrize("slip", [0, 1])
+def test_a_wire_that_has_drifted_off_its_contact_is_set_back_onto_it(slip: int) -> None:
+    """Its tip has sunk in by 1e-4: afterwards the gap is closed and stays so, and a tip that sticks stands still."""
+    rods = Mechanism((Link.rod(1.0, 0.4), Link.rod(0.3, 0.5)))
+    drifted = State(0.0, (0.4, 0.9), (0.3, -0.2))
+    tip = WorkpartPair(-rods.poses(drifted)[1].corners[-1].imag - 1e-4, 0.3, 0.3, 0.0, link=1)
+    scene = Scene(rods, Effects(pairs=(tip,)))
+    scene.joint_solver.set_contacts((ClosedPair(tip, None, slip),))
+    state = scene.joint_solver.set_back(drifted)
+    touch = tip.closest(scene.mechanism.poses(state), state.rates)
+    assert touch.gap == pytest.approx(0.0, abs=1e-13)
+    assert touch.velocity[0] == pytest.approx(0.0, abs=1e-13)
+    assert (abs(touch.velocity[1]) < 1e-13) == (slip == 0)
+
+
+@pytest.mark.parametrize("piece", [0, 1])
+def test_the_straight_segment_in_contact_remains_the_selected_one(piece: int) -> None:
+    """A bar lies in the bend of a wire's last link, at the same distance from both of its segments."""
+    bent = Link(0.5, 0.01, -0.2j, (0j, -0.3j, 0.1 - 0.5j))
+    mechanism = Mechanism((Link.rod(1.0, 1.0), bent))
+    angles = (0.4, 0.2)
+    joint, knee, tip = mechanism.poses(State(0.0, angles, (0.0, 0.0)))[1].corners
+    bisector = (joint - knee) / abs(joint - knee) + (tip - knee) / abs(tip - knee)
+    pair = BarPair(knee + 0.1 * bisector / abs(bisector), 0.05, 0.0, 0.3, 0.0, link=1)
+    scene = Scene(mechanism, Effects(hinges=((5.0, 0.0),), pairs=(pair,)))
+    scene.place(State(0.0, angles, (0.3, -0.2)))
+    scene.joint_solver.set_contacts((ClosedPair(pair, piece, 1),))
+    scene.joint_solver.solve(1e-3)
+    after = State(0.0, angles, tuple(body.angular_velocity for body in scene.links))
+    normal = [
+        pair.closest(mechanism.poses(after), after.rates, each).velocity[0] for each in (0, 1)
+    ]
+    assert normal[piece] == pytest.approx(0.0, abs=1e-14)
+    assert abs(normal[1 - piece]) > 1e-3

@@ -260,10 +260,6 @@ class Extrapolation:
             others = table.first_order[len(results) - 1]
             values = [sum(map(mul, weights, each)) for each in columns[: 2 * links]]
             values += [sum(map(mul, others, each)) for each in columns[2 * links :]]
-            if error == math.inf:
-                # To place a body the engine uses its old angle, which is NaN here. After a second
-                # placing no NaN remains.
-                scene.put(None)
             if halved:
                 best = [sum(map(mul, weights, each)) for each in zip(*halves, strict=True)]
                 middle = scene.state_at(state.time + 0.5 * duration, best)

@@ -186,8 +186,8 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """Return the interval shortened to the extreme of a value that changes sign twice within it.
 
     The shortened interval then contains the first change of sign alone. The extreme is estimated by
-    a parabola through the least (or greatest) of five values and its two neighbours. If the value
-    does not change sign twice, the interval is returned unchanged.
+    a parabola through the least (or greatest) of five values and its two neighbours. Without an
+    extreme in the interval, or with one far above zero, the interval is returned unchanged.
     """
     sense = -float(event.direction)
     length = interval.length
@@ -201,11 +201,8 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     slope = 0.5 * (after - before)
     at = 0.25 * (least - slope / bend) if bend > abs(slope) else 0.0
     if at < EARLIEST_EXTREME or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * max(values):
-        # Without an extreme in the interval, or with one far above zero, the sign does not change
-        # twice.
-        return interval
-    part = interval.integrate_to(at * length)
-    return interval.up_to(part) if sense * event.value(part) < 0.0 else interval
+        return interval  # the sign does not change twice
+    return interval.up_to(interval.integrate_to(at * length))
 
 
 MOST_GUESSES = 4
