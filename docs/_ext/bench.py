@@ -69,7 +69,7 @@ class BenchDirective(SphinxDirective):
         if "radial" in self.options:
             found = searches.radial_bar(pass_of, assignments)
             assignments += [f"{key}={value}" for key, value in found["assignments"].items()]
-        found = bench.run_of(pass_of, [], assignments)
+        found = bench.run_of(pass_of, assignments)
         address = "/?" + "&".join(assignments) if assignments else "/"
         shown: list[nodes.Node] = [nodes.literal_block(address, address, language="text")]
         shown.append(nodes.paragraph(text=found["answer"], classes=["answer"]))

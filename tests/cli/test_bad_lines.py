@@ -33,9 +33,9 @@ REFUSED = [
     ("single_pendulum --list-keys=yes", "--list-keys"),
     ("tolerances --csv a.csv", "--csv a.csv"),  # of a scenario without a motion
     ("single_pendulum --write-tool tool.toml", "--write-tool"),  # of a scenario without a tool
-    ("cue_and_impact --video a.gif --size big", "--size: 'big': must be WIDTHxHEIGHT, such as 1280x720 (in px)"),
-    ("cue_and_impact --video a.gif --size 0x0", "--size: '0x0': must be 64 to 8192 wide and 48 to 8192 high (in px)"),
-    ("cue_and_impact --video a.gif --fps 0", "--fps: fps = '0': must be a finite number with 0 < fps <= 1e+06 (in 1/s)"),
+    ("cue_and_impact --video a.gif --size big", "--size = 'big': must be WIDTHxHEIGHT, such as 1280x720 (in px)"),
+    ("cue_and_impact --video a.gif --size 0x0", "--size = '0x0': must be 64 to 8192 wide and 48 to 8192 high (in px)"),
+    ("cue_and_impact --video a.gif --fps 0", "--fps = '0': must be a finite number with 0 < fps <= 1e+06 (in 1/s)"),
     (f"cue_and_impact --json {'a' * 300}", "must be a file name of at most 255 bytes"),
     ("cue_and_impact --size 640x480", "--size: must be given with --video"),
     ("cue_and_impact --plot a.bmp", "--plot = 'a.bmp': must be a file name that ends in .png, .svg, .pdf"),
@@ -75,15 +75,20 @@ REFUSED = [
     (f"{SWEPT} --sweep friction=0:1:2", "must name each key once"),
     (f"{SWEPT} --sweep restitution=0:1:3 --sweep hub_speed=1:2:2", "must be one key or two"),
     (f"{SWEPT} --video a.mp4", "--video: must be left out with --sweep"),
-    (f"{SWEPT} --workers 0", "workers = 0: must be"),
+    *((f"{SWEPT} --workers {text}", f"--workers = '{text}': must be a whole number from 1 to 1024, or -1 for one") for text in ("0", "-2", "two")),
+    ("cue_and_impact --csv a.csv --interval -1us", "--interval = '-1us': must be a finite number with 0 < interval <= 1 (in s)"),
     ("cue_and_impact --workers 2", "must be given with --sweep"),
     ("film --workers 0", "workers = '0': must be"),
     ("explore none.toml", "none.toml"),
-    ("explore --port 99999", "must be a whole number from 0 to"),
+    ("explore --port 99999", "--port = '99999': must be a whole number from 0 to 65535"),
     ("compare tool.toml none.toml", "none.toml"),
 ]  # fmt: skip
 
 REFUSED_BY_THE_RUN = [
+    (
+        f"{SWEPT} --store /proc/nope",
+        "--store = '/proc/nope': must be a folder that can be read and written (No such file or directory)",
+    ),
     ("force_history --set force_csv=points.csv", "force_csv = points.csv: "),
     (
         "force_history --set force_csv=tool.toml",

@@ -71,5 +71,5 @@ def test_a_tool_that_was_found_runs_everywhere(
     assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert command.main(["compare", file, file]) == 0
     scenario = main_scenario()
-    found = run_of(scenario, assignments_of(bs.read_tool(file), scenario), [])
+    found = run_of(scenario, assignments_of(bs.read_tool(file), scenario))
     assert ", radial, " in found["answer"]

@@ -120,3 +120,13 @@ def test_without_the_extra_a_sweep_is_computed_all_the_same():
     assert (stored.returncode, stored.stdout, stored.stderr.count("\n")) == (2, "", 1)
     assert "need the extra sweep: pip install bristle-sim[sweep] (" in stored.stderr
     assert len(alone.stdout.splitlines()) == 3
+
+
+def test_workers_that_are_lost_are_one_line(monkeypatch: pytest.MonkeyPatch, capsys):
+    def lost(*_: object, **__: object) -> None:
+        raise RuntimeError("workers: lost at the point {}, and none answers any more")
+
+    monkeypatch.setattr("bristle_sim.studies.sweep.sweep", lost)
+    assert called("--sweep", "friction=0.1:0.3:2", "--workers", "2") == 2
+    line = "bristle-sim cue_and_impact: error: --workers: lost at the point"
+    assert capsys.readouterr().err.startswith(line)

@@ -101,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_error(f"{program}: error: {error}")
         return BAD_INPUT
     except KeyboardInterrupt:
-        print_error(f"{program}: ended")
+        print_error(f"{program}: interrupted")
         return INTERRUPTED
     return 0
 
@@ -118,11 +118,10 @@ def _run_command(name: str, given: Sequence[str], program: str) -> int:
     place = "explore.entry" if name == "explore" else name
     module = import_module(f"bristle_sim.cli.{place}")
     about = COMMANDS[name].partition(":")[0].capitalize()
-    parser = Parser(prog=program, description=f"{about}.", allow_abbrev=False)
     with warnings.catch_warnings():
         warnings.simplefilter("once", UnusualValueWarning)
         warnings.showwarning = lambda text, *_: print_error(f"{program}: warning: {text}")
-        status: int = module.main(main_scenario(), parser, given)
+        status: int = module.main(main_scenario(), Parser(program, f"{about}."), given)
     return status
 
 
@@ -163,7 +162,6 @@ def run_scenario(
     command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
     program = program or f"{scenario.name}.py"
     remarks = list[str]()
-    status = 0
     with ending_in_order(), progress(program), warnings.catch_warnings():
         # typed values have warnings of their own, in one line each
         warnings.simplefilter("ignore", UnusualValueWarning)
@@ -179,27 +177,7 @@ def run_scenario(
             values = scenario.values_of(options.set)
             remarks += scenario.warnings_of(options.set, values)
             targets = targets_of(options, scenario, values)
-            if options.sweep:
-                from bristle_sim.cli.sweep import run_sweep
-
-                run_sweep(scenario, options, targets)
-            else:
-                try:
-                    report = scenario.run(**scenario.built(values))
-                except Unfinished as interruption:
-                    report = interruption.report
-                    status = INTERRUPTED
-                except ArithmeticError as error:
-                    if not options.set:
-                        raise
-                    raise ValueError(
-                        f"{', '.join(options.set)}: must be less extreme ({error})"
-                    ) from error
-                contents = _contents(
-                    scenario, options, values, targets, command, report, finished=not status
-                )
-                status = status or MISSED * any(each.ok is False for each in report.quantities)
-                deliver(options, targets, contents, in_words(report))
+            status = _carry_out(scenario, options, values, targets, command)
         except (ValueError, OSError) as error:
             print_error(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
             return BAD_INPUT
@@ -210,6 +188,40 @@ def run_scenario(
     if status == INTERRUPTED:
         print_error(f"{program}: interrupted")
     return status
+
+
+def _carry_out(
+    scenario: Scenario,
+    options: argparse.Namespace,
+    values: Values,
+    targets: Mapping[str, Path],
+    command: str,
+) -> int:
+    """Run a scenario, write the requested files, print the answer, and return the exit status.
+
+    Raises:
+        ValueError: for values that contradict each other, or are too extreme.
+        OSError: if a file cannot be written.
+        KeyboardInterrupt: after an interruption. The results of finished parts are delivered.
+    """
+    if options.sweep:
+        from bristle_sim.cli.sweep import run_sweep
+
+        run_sweep(scenario, options, targets)
+        return 0
+    try:
+        report = scenario.run(**scenario.built(values))
+    except Unfinished as interruption:
+        text = document(scenario.name, values, interruption.report, finished=False)
+        deliver(options, targets, {"json": text}, in_words(interruption.report))
+        raise
+    except ArithmeticError as error:
+        if not options.set:
+            raise
+        raise ValueError(f"{', '.join(options.set)}: must be less extreme ({error})") from error
+    contents = _contents(scenario, options, values, targets, command, report)
+    deliver(options, targets, contents, in_words(report))
+    return MISSED * any(each.ok is False for each in report.quantities)
 
 
 MOST_ROWS = 1_000_000  # largest number of rows of a CSV file with equally spaced times
@@ -245,14 +257,11 @@ def _contents(
     targets: Mapping[str, Path],
     command: str,
     report: Report,
-    *,
-    finished: bool,
 ) -> dict[str, Content]:
     """Return the contents of the output files by option, in the order of writing.
 
     Figure, film, tool file and report page are functions that write the file. CSV and JSON are
-    texts. The film precedes the page, which shows it. If the run was interrupted (not
-    ``finished``), the only content is the JSON.
+    texts. The film precedes the page, which shows it.
     """
 
     def film(target: Path) -> None:
@@ -263,8 +272,9 @@ def _contents(
 
     def tool_file(target: Path) -> None:
         """Write the file of the tool that the scenario found, or of the simulated tool."""
-        found = scenario.tool(report) if scenario.tool else build_parameters(Tool, values)
-        write_tool(found, target)
+        write_tool(
+            scenario.tool(report) if scenario.tool else build_parameters(Tool, values), target
+        )
 
     def page(target: Path) -> None:
         """Write the report page."""
@@ -283,11 +293,13 @@ def _contents(
             video=targets.get("video"),
         )
 
-    found = dict[str, Content]()
-    if finished:
-        found["plot"] = partial(draw, scenario, report)
-        found |= {"video": film, "write-tool": tool_file, "report": page}
-    if finished and options.csv is not None:
+    found: dict[str, Content] = {
+        "plot": partial(draw, scenario, report),
+        "video": film,
+        "write-tool": tool_file,
+        "report": page,
+    }
+    if options.csv is not None:
         assert scenario.series is not None
         write = scenario.formats.get(Path(options.csv).suffix.lower())
         if options.interval is not None:
@@ -295,8 +307,7 @@ def _contents(
         else:
             found["csv"] = write(report) if write else csv_text(scenario.series(report))
     if options.json is not None:
-        unfinished = {} if finished else {"finished": False}
-        found["json"] = document(scenario.name, values, report, **unfinished)
+        found["json"] = document(scenario.name, values, report)
     return found
 
 

@@ -145,49 +145,72 @@ def _checked(name: str, path: str, formats: Sequence[str], *, several: bool) -> 
 class Parser(argparse.ArgumentParser):
     """Command-line parser that raises ValueError for bad input, with a message of one line."""
 
+    def __init__(self, program: str, description: str) -> None:
+        super().__init__(prog=program, description=description, allow_abbrev=False)
+        # A number with a unit, such as -1us, is a value and not an option.
+        self._negative_number_matcher = re.compile(r"-[.\d]")
+
     def error(self, message: str) -> NoReturn:
         """Raise ValueError with the message, and with advice on an unknown option."""
         unknown = message.removeprefix("unrecognized arguments: ")
-        if unknown != message:
-            setting = "=" in unknown and not unknown.startswith("-")
-            advice = (
-                f"did you mean --set {unknown}?"
-                if setting
-                else f"{self.prog} --help lists the options"
-            )
-            raise ValueError(f"{message}; {advice}")
-        raise ValueError(message)
+        if unknown == message:  # of a value: the option and the value begin the message
+            raise ValueError(re.sub(r"^argument (--\S+): (?=\1 = )", "", message))
+        setting = "=" in unknown and not unknown.startswith("-")
+        advice = (
+            f"did you mean --set {unknown}?" if setting else f"{self.prog} --help lists the options"
+        )
+        raise ValueError(f"{message}; {advice}")
+
+
+def value_of(read: Callable[[str], Any]) -> Callable[[str], Any]:
+    """Return a function that reads an option's value, and refuses it as argparse requires.
+
+    ``read`` raises ValueError for a refused value; its message begins with the option's name
+    without dashes.
+    """
+
+    def reading(text: str) -> Any:
+        """Return the value, or raise the exception whose message argparse prints."""
+        try:
+            return read(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(f"--{error}") from error
+
+    return reading
 
 
 def _size(text: str) -> dict[str, int]:
     """Return ``width`` and ``height`` (px) of a picture from a text such as 1280x720."""
     found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if found is None:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)"
-        )
+        raise ValueError(f"size = {text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)")
     width = int(found[1])
     height = int(found[2])
     if not (64 <= width <= 8192 and 48 <= height <= 8192):
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: must be 64 to 8192 wide and 48 to 8192 high (in px)"
-        )
+        raise ValueError(f"size = {text!r}: must be 64 to 8192 wide and 48 to 8192 high (in px)")
     return {"width": width, "height": height}
 
 
-def _number(key: str, unit: str, most: float) -> Callable[[str], float]:
+def _workers(text: str) -> int:
+    """Return a number of processes, or -1 for one process on each core."""
+    if (
+        not re.fullmatch(r"-1|\d{1,4}", text)
+        or not -1 <= int(text) <= MOST_WORKERS
+        or not int(text)
+    ):
+        rule = (
+            f"must be a whole number from 1 to {MOST_WORKERS}, or -1 for one process on each core"
+        )
+        raise ValueError(f"workers = {text!r}: {rule}")
+    return int(text)
+
+
+def _positive(key: str, unit: str, most: float) -> Callable[[str], float]:
     """Return the function that reads a number above 0 and up to ``most``, with or without a unit."""
-    declared = Range(key, unit, 0.0, most, lowest_allowed=False)
+    return value_of(Range(key, unit, 0.0, most, lowest_allowed=False).parse)
 
-    def read(text: str) -> float:
-        """Return the number, or raise the exception whose message argparse prints."""
-        try:
-            return declared.parse(text)
-        except ValueError as error:
-            raise argparse.ArgumentTypeError(str(error)) from error
 
-    return read
-
+MOST_WORKERS = 1024  # Largest number of processes: more than a computer has cores
 
 APPENDED: dict[str, Any] = {"action": "append", "default": []}
 
@@ -196,14 +219,14 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "parameters": ("FILE.toml", "read the tool from a file; --set overrides it", {}),
     "json": ("FILE", "write the results as JSON; - for standard output", {}),
     "csv": ("FILE.csv", "write the time series, one row a sample; - for standard output", {}),
-    "interval": ("TIME", "evenly spaced rows of the CSV, such as 10us, in place of the samples", {"type": _number("interval", "s", 1.0)}),
+    "interval": ("TIME", "evenly spaced rows of the CSV, such as 10us, in place of the samples", {"type": _positive("interval", "s", 1.0)}),
     "plot": ("FILE", "draw the figure (PNG, SVG, PDF); for several figures a folder or a PDF", {}),
     "video": ("FILE", "render a video (MP4, GIF)", {}),
-    "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": _size}),
-    "fps": ("NUMBER", "frames per second of the video", {"type": _number("fps", "1/s", 1e6)}),
+    "size": ("WIDTHxHEIGHT", "size of the video, in px", {"type": value_of(_size)}),
+    "fps": ("NUMBER", "frames per second of the video", {"type": _positive("fps", "1/s", 1e6)}),
     "report": ("FILE.html", "write a page with question, answer, figures and parameters", {}),
     "write-tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
-    "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": int}),
+    "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": value_of(_workers)}),
     "store": ("FOLDER", "keep finished points of a sweep, and go on from them", {}),
     "quantity": ("NAME", "a quantity that a sweep shows, in place of all that change; repeatable", APPENDED),
     "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key; twice for two keys; --csv, --json and --plot then"
@@ -227,7 +250,7 @@ def parser_of(
     An option that has no effect on the scenario is left out of the parser, and has the value None.
     ``sweeping`` states whether the command line requests a sweep.
     """
-    parser = Parser(prog=program, description=scenario.question, allow_abbrev=False)
+    parser = Parser(program, scenario.question)
     left_out = {*scenario.options}
     if "hub_speed" not in scenario.keys():  # noqa: SIM118
         left_out |= {"parameters", "write-tool"}

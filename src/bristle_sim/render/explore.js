@@ -195,7 +195,12 @@ function table(run) {
   el("head").replaceChildren(row(pinned ? [...head.slice(0, 3), "pinned", "change", head[3]] : head, "th"));
   el("rows").replaceChildren(...rows.map((cells, k) => row(pinned ? [...cells.slice(0, 3), ...beside(cells, k), cells[3]] : cells)));
 }
-const PANELS = [["retraction", "retraction, °"], ["rate", "rate relative to the hub, rad/s"], ["speed", "tip speed, m/s"], ["force", "normal force on the wire, N"]];
+const PANELS = [ // curves at the instants of the motion, which has slopes per ms
+  ["retraction", "retraction, °", ({ retraction }) => retraction.map(([value]) => value)],
+  ["rate", "rate relative to the hub, rad/s", ({ retraction }) => retraction.map(([, slope]) => -1e3 * slope * Math.PI / 180)],
+  ["speed", "tip speed, m/s", ({ velocity }) => velocity.map((each) => Math.hypot(...each.slice(-2)))],
+  ["force", "normal force on the wire, N", ({ force }) => force.map(([value]) => value)],
+];
 for (const [name, caption] of PANELS) {
   const figure = make("figure"), canvas = make("canvas", "", { id: "panel-" + name, role: "img", "aria-label": caption + " over time" });
   figure.append(canvas, make("figcaption"));
@@ -204,10 +209,11 @@ for (const [name, caption] of PANELS) {
   canvas.addEventListener("pointerdown", seek); canvas.addEventListener("pointermove", seek);
 }
 function panels(t) {
-  for (const [name, caption] of shown ? PANELS : []) {
+  for (const [name, caption, curve] of shown ? PANELS : []) {
+    const line = ({ motion, marks }, colour) => ({ time: motion.time, values: curve(motion), marks, colour });
     const canvas = el("panel-" + name);
-    canvas.nextSibling.textContent = caption + `, over time in ms; ${shown.series.drawn}` + (pinned ? "; grey: the pinned tool" : "");
-    chart(canvas, [pinned && { ...pinned.series, values: pinned.series[name], colour: "soft" }, { ...shown.series, values: shown.series[name], colour: "wire" }].filter(Boolean), t);
+    canvas.nextSibling.textContent = caption + ", over time in ms" + (pinned ? "; grey: the pinned tool" : "");
+    chart(canvas, [...(pinned ? [line(pinned, "soft")] : []), line(shown, "wire")], t);
   }
 }
 viewer.onInstant = panels; viewer.followed = "strike";

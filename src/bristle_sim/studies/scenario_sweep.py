@@ -167,7 +167,15 @@ def sweep_of_runs(
                 f"--workers, --store: need the extra sweep: pip install bristle-sim[sweep] ({error})"
             ) from error
         space = {key: axis.values for key, axis in axes.items()}
-        found = sweep(function, space, workers=workers, store=store)
+        try:
+            found = sweep(function, space, workers=workers, store=store)
+        except RuntimeError as error:
+            raise ValueError(f"--{error}") from error
+        except OSError as error:
+            if store is None:
+                raise
+            rule = f"must be a folder that can be read and written ({error.strerror or error})"
+            raise OSError(f"--store = {store!r}: {rule}") from error
         columns = {str(name): each.values for name, each in found.data_vars.items()}
     failure = columns.pop(FAILURE).astype(object)
     unknown = np.full(failure.shape, math.nan)

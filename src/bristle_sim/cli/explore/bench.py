@@ -6,28 +6,22 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from functools import partial
-from itertools import pairwise
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
-from bristle_sim.arrays import Array
-from bristle_sim.cli.command import draw
-from bristle_sim.cli.output import csv_text, document, write_text
-from bristle_sim.cli.scenario import Scenario, Values, build_parameters
+from bristle_sim.cli.command import BAD_INPUT, run_scenario
+from bristle_sim.cli.scenario import Scenario
 from bristle_sim.comparison import cells
 from bristle_sim.declared import Choice, Declaration, Range
 from bristle_sim.parameters import FIELDS, Tool
 from bristle_sim.readable import plain_number
 from bristle_sim.render.motion_data import motion_data
-from bristle_sim.render.report import write_report
-from bristle_sim.render.story import key_events
+from bristle_sim.render.story import key_events, story_end
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.tool_file import write_tool
-from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import exact_text
 
 OFTEN = ("hub", "bristle", "bar", "workpart")
@@ -48,12 +42,11 @@ SLIDERS = {
 }
 """Ranges of sliders, in SI units. Other sliders run from a third to three times the first value."""
 
-WHOLE = 1500
-PANEL_COLUMNS = 300
-"""Largest number of samples of a run that is drawn whole, and number of columns of a longer run.
+UNMAPPED = ("knee_angle_deg", "contact_duration")
+"""Parameters of a tool over which no map is drawn, besides those of other laws and whole numbers."""
 
-A column of a panel is one or two pixels wide. It shows the first, last, smallest and largest value
-in its time interval."""
+PROGRAM = "bristle-sim cue_and_impact"
+"""Command that simulates a pass on the command line."""
 
 
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
@@ -63,14 +56,10 @@ def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
     """
     values = pass_of.values_of(start)
     groups = {each.key: part for part, fields in FIELDS.items() if part for each in fields.values()}
-    found = []
-    for key, declared in pass_of.keys().items():
-        knob = _knob(declared, values[key], groups.get(key, "settings"))
-        preset = knob["text"]
-        if values[key] != declared.default:
-            preset = "" if declared.default is None else _typed(declared, declared.default)
-        found.append(knob | {"preset": preset})
-    return found
+    return [
+        _knob(declared, values[key], groups.get(key, "settings"))
+        for key, declared in pass_of.keys().items()
+    ]
 
 
 def _knob(declared: Any, value: Any, group: str) -> dict[str, Any]:
@@ -79,6 +68,8 @@ def _knob(declared: Any, value: Any, group: str) -> dict[str, Any]:
     It holds texts and, for a number, unit and range. ``value`` is the first value, in SI units.
     ``group`` is the name of the group of controls.
     """
+    text = "" if value is None else declared.displayed(value)
+    preset = "" if declared.default is None else _typed(declared, declared.default)
     words = {
         "key": declared.key,
         "label": declared.key.removesuffix("_deg").replace("_", " "),
@@ -88,55 +79,50 @@ def _knob(declared: Any, value: Any, group: str) -> dict[str, Any]:
         "source": declared.source,
         "needs": declared.needs,
         "optional": declared.optional,
+        "text": text,
+        "preset": text if value == declared.default else preset,
     }
     if isinstance(declared, Choice):
-        return words | {
-            "unit": "",
-            "between": declared.allowed,
-            "start": value,
-            "text": value,
-            "choices": list(declared.options),
-        }
+        choices = [*declared.options]
+        return words | {"unit": "", "between": declared.allowed, "start": value, "choices": choices}
     unit, size = declared.display
-    ends = [each / size for each in SLIDERS.get(declared.key, ())]
     limits = [float(f"{limit / size:.6g}") for limit in (declared.lowest, declared.highest)]
     between = " to ".join(plain_number(limit, 6) for limit in limits)
+    single = group == "settings" or declared.whole or declared.needs or declared.key in UNMAPPED
     return words | {
         "unit": unit,
         "size": size,
         "between": f"from {between} {unit}".rstrip(),
         "start": None if value is None else value / size,
-        "text": "" if value is None else declared.displayed(value),
         "limits": limits,
-        "slider": ends,
+        "slider": [each / size for each in SLIDERS.get(declared.key, ())],
         "whole": declared.whole,
-        "mapped": not (group == "settings" or declared.whole or declared.needs or value is None)
-        and declared.key not in ("knee_angle_deg", "contact_duration"),
+        "mapped": value is not None and not single,
     }
 
 
-def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
-    """Simulate the pass of a tool with changed parameters, and return the results for the page.
+def run_of(pass_of: Scenario, assignments: Sequence[str], number: int = 0) -> dict[str, Any]:
+    """Simulate the pass of a tool, and return the results for the page.
 
     Args:
         pass_of: the scenario that simulates a pass.
-        start: assignments ``KEY=VALUE`` of the tool that the page shows first.
-        typed: assignments that the user has typed; they override ``start``.
+        assignments: assignments ``KEY=VALUE`` of the tool that the page shows first, followed by
+            those that the user has typed.
+        number: number of assignments that the user has not typed.
     """
-    values = pass_of.values_of([*start, *typed])
+    values = pass_of.values_of(assignments)
     report = pass_of.run(**pass_of.built(values))
     run = report.subject.trajectory
-    tool = report.subject.tool
-    before = pass_of.values_of(start)
+    before = pass_of.values_of(assignments[:number])
     keys = pass_of.keys()
     return {
         "answer": report.answer,
-        "warnings": pass_of.warnings_of(typed, values),
+        "warnings": pass_of.warnings_of(assignments[number:], values),
         "table": cells(report.quantities),
         "simulated": [each.simulated for each in report.quantities],
         "remarks": [each for each in report.remarks if each],
-        "motion": motion_data(run, tool),
-        "series": series(run),
+        "motion": motion_data(run, report.subject.tool),
+        "marks": [[1e3 * each.time, each.name] for each in key_events(run, story_end(run))],
         "changed": [
             [key, *_change(keys[key], before[key], value)]
             for key, value in values.items()
@@ -147,8 +133,12 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
             for key, declared in keys.items()
             if isinstance(declared, Range) and values[key] is not None
         },
-        "command": command([*start, *typed]),
+        "command": shlex.join([*PROGRAM.split(), *_options(assignments)]),
     }
+
+
+def _options(assignments: Sequence[str]) -> list[str]:
+    return [part for each in assignments for part in ("--set", each)]
 
 
 def _change(declared: Declaration, before: Any, after: Any) -> list[str]:
@@ -169,73 +159,18 @@ def _typed(declared: Declaration, value: Any) -> str:
     return exact_text(value, declared.key, declared.unit)
 
 
-def series(run: Trajectory) -> dict[str, Any]:
-    """Return the curves of a pass for the page, with the events that are marked in them.
-
-    The curves are ``time`` (ms), ``retraction`` (degrees), ``rate``, the angular velocity relative
-    to the hub (rad/s), ``speed`` of the tip (m/s) and normal ``force`` (N). A long run is drawn
-    with only the samples that change a displayed curve; ``drawn`` is a text with their number.
-    ``marks`` are times (ms) and names of events.
-    """
-    marks = [[1e3 * each.time, each.name] for each in key_events(run)]
-    curves = {
-        "time": 1e3 * run.time,
-        "retraction": np.degrees(run.retraction),
-        "rate": run.relative_rate,
-        "speed": run.tip_speed,
-        "force": run.normal_force,
-    }
-    chosen = (
-        list(range(run.time.size))
-        if run.time.size <= WHOLE
-        else _visible_samples(run.time, list(curves.values()))
-    )
-    columns = {
-        name: [float(f"{value:.6g}") for value in values[chosen]] for name, values in curves.items()
-    }
-    return {**columns, "marks": marks, "drawn": f"{len(chosen)} of {run.time.size} samples drawn"}
-
-
-def _visible_samples(time: Array, curves: Sequence[Array]) -> list[int]:
-    """Return the indices of the samples that change a displayed curve.
-
-    The time is divided into equal intervals, one for each column of the panel. In each interval,
-    the first sample, the last sample, and the extremes of every curve are selected.
-    """
-    edges = np.searchsorted(time, np.linspace(time[0], time[-1], PANEL_COLUMNS + 1)[:-1])
-    kept = set[int]()
-    for first, end in pairwise([*edges.tolist(), time.size]):
-        if end > first:
-            own = [values[first:end] for values in curves]
-            kept |= {
-                first + int(place) for each in own for place in (each.argmin(), each.argmax())
-            } | {first, end - 1}
-    return sorted(kept)
-
-
-def command(assignments: Sequence[str]) -> str:
-    """Return the command line that repeats the simulation with the given assignments ``KEY=VALUE``."""
-    return shlex.join(
-        [
-            "bristle-sim",
-            "cue_and_impact",
-            *(part for each in assignments for part in ("--set", each)),
-        ]
-    )
-
-
 COLOURS = {"outcome": "outcome"} | {name: label for name, (label, _) in QUANTITIES.items()}
 """Quantities that a map can show, by name, with their labels."""
 
 DOWNLOADS = {
-    "toml": "tool (TOML)",
-    "json": "JSON",
-    "csv": "CSV",
-    "html": "page",
-    "png": "picture (PNG)",
-    "svg": "picture (SVG)",
+    "toml": ("write-tool", "tool (TOML)"),
+    "json": ("json", "JSON"),
+    "csv": ("csv", "CSV"),
+    "html": ("report", "page"),
+    "png": ("plot", "picture (PNG)"),
+    "svg": ("plot", "picture (SVG)"),
 }
-"""Files that the page offers for download, by suffix, with their labels."""
+"""Files that the page offers for download: option of the command line, and label, by suffix."""
 
 PRESETS = {
     "27 mm wire, 2500 rpm (Zhang 2020)": "",
@@ -249,42 +184,26 @@ PRESETS = {
 joined by &. All tools except Zhang's strike radially."""
 
 
-def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> dict[str, bytes]:
+def download(pass_of: Scenario, assignments: Sequence[str], suffix: str) -> dict[str, bytes]:
     """Simulate a pass and return its results as the bytes of a file.
 
-    ``kind`` is the suffix of the file, one of :data:`DOWNLOADS`.
+    The file is the one that the command line writes. ``suffix`` is one of :data:`DOWNLOADS`.
+
+    Raises:
+        ValueError: for bad input.
     """
-    values = pass_of.values_of(assignments)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / f"tool.{kind}"
-        if kind == "toml":
-            write_tool(build_parameters(Tool, values), path)
-        else:
-            _write(pass_of, path, values, assignments)
-        return {"content": path.read_bytes()}
-
-
-def _write(pass_of: Scenario, path: Path, values: Values, assignments: Sequence[str]) -> None:
-    """Simulate a pass and write its results to a file of the kind that its suffix names."""
-    report = pass_of.run(**pass_of.built(values))
-    if path.suffix == ".json":
-        write_text(path, document(pass_of.name, values, report))
-    elif path.suffix == ".csv":
-        assert pass_of.series is not None
-        write_text(path, csv_text(pass_of.series(report)).removesuffix("\n"))
-    elif path.suffix == ".html":
-        write_report(
-            path,
-            report,
-            name=pass_of.name,
-            question=pass_of.question,
-            command=command(assignments),
-            keys=pass_of.keys(),
-            values=values,
-            plot=partial(draw, pass_of),
-        )
-    else:
-        draw(pass_of, report, path)
+    name = f"tool.{suffix}"
+    line = [*_options(assignments), f"--{DOWNLOADS[suffix][0]}", name]
+    said = StringIO()
+    with (
+        TemporaryDirectory() as folder,
+        chdir(folder),
+        redirect_stdout(StringIO()),
+        redirect_stderr(said),
+    ):
+        if run_scenario(pass_of, line, program=PROGRAM) == BAD_INPUT:
+            raise ValueError(said.getvalue().partition("error: ")[2])
+        return {"content": Path(name).read_bytes()}
 
 
 def assignments_of(tool: Tool, pass_of: Scenario) -> list[str]:

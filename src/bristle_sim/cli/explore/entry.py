@@ -6,12 +6,14 @@ They are the command ``bristle-sim explore``, and ``bristle_sim.explore`` in a n
 from __future__ import annotations
 
 import argparse
-import html
+import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from bristle_sim.cli.options import value_of
 from bristle_sim.cli.output import print_line
 from bristle_sim.cli.scenario import Scenario, main_scenario
+from bristle_sim.declared import Range
 from bristle_sim.trajectory.pictures import Html
 
 if TYPE_CHECKING:
@@ -32,11 +34,12 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
         The frame, which a notebook shows. The page works until this Python process ends.
     """
     from bristle_sim.cli.explore.bench import assignments_of
-    from bristle_sim.cli.explore.server import serve
+    from bristle_sim.cli.explore.server import Server
 
-    address = serve([] if tool is None else assignments_of(tool, main_scenario()))
+    server = Server([] if tool is None else assignments_of(tool, main_scenario()))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
     return Html(
-        f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>'
+        f'<iframe src="{server.address}" width="100%" height="{height}" title="Explore a tool"></iframe>'
     )
 
 
@@ -54,23 +57,17 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     """
     parser.add_argument("tool", nargs="?", metavar="FILE.toml", help="the tool to begin with")
     parser.add_argument(
-        "--host", default="127.0.0.1", help="address to listen on; by default this machine alone"
-    )
-    parser.add_argument(
-        "--port", type=_port, default=0, help="port to listen on; by default a free one"
+        "--port",
+        type=value_of(Range("port", "1", 0, MOST_PORTS, whole=True).parse),
+        default=0,
+        help="port to listen on; by default a free one",
     )
     options = parser.parse_args(arguments)
     start = [] if options.tool is None else pass_of.assignments_from(options.tool, "FILE.toml")[0]
     pass_of.values_of(start)
     from bristle_sim.cli.explore.server import Server
 
-    server = Server(start, host=options.host, port=options.port)
-    print_line(f"http://{options.host}:{server.server_port}/ shows the bench; Ctrl-C ends it")
+    server = Server(start, options.port)
+    print_line(f"{server.address} shows the bench; Ctrl-C ends it")
     server.serve_forever()
     return 0
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > MOST_PORTS:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from 0 to {MOST_PORTS}")
-    return int(text)

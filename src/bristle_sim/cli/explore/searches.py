@@ -20,7 +20,7 @@ from bristle_sim.cli.limits import limits_in_words
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
-from bristle_sim.readable import plain_number, readable_unit
+from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import centre_of, radial_place, strikes_of
 from bristle_sim.studies.design import design
@@ -56,33 +56,29 @@ def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) ->
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(assignments))
-    keys = []
     lines = []
     for key, *ends in (asked["x"], asked["y"]):
         low, high = (float(pass_of.keys()[key].parse(each)) for each in ends)
-        keys.append(key)
         lines.append(np.linspace(low, high, 1 + (FINE if fine == "1" else COARSE)))
     # Both axes may show one parameter; the map then changes along the second axis alone.
-    places = dict(zip(keys, np.meshgrid(*lines), strict=True))
+    places = dict(zip((asked["x"][0], asked["y"][0]), np.meshgrid(*lines), strict=True))
     found = pass_quantities(tool, SETTINGS, **places)
     codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)
     if (codes == REFUSED).all():
         raise ValueError(f"no map: {found[FAILURE][0, 0]}")
+    label, unit = QUANTITIES.get(asked["of"], ("outcome", "1"))
     values = found[asked["of"]] if asked["of"] in QUANTITIES else np.full(codes.shape, np.nan)
     numbers = values[np.isfinite(values)]
     low, high = np.percentile(numbers, EXTREMES) if numbers.size else (0.0, 0.0)
     shades = np.clip(np.rint(SHADES * (values - low) / (high - low or 1.0)), 0, SHADES)
-    label, unit = QUANTITIES.get(asked["of"], ("outcome", "1"))
-    unit, size = readable_unit(unit, [low, high])
-    texts = [f"{plain_number(each / size, 3)} {unit.replace('deg', '°')}" for each in (low, high)]
     return {
         "size": len(values),
         "shades": _coded(np.nan_to_num(shades, nan=SHADES + 1)),
         "outcomes": _coded(codes),
         "names": OUTCOMES,
         "present": np.unique(codes[np.isnan(values)]).tolist(),
-        "low": texts[0] if numbers.size else "",
-        "high": texts[1],
+        "low": amount(low, unit) if numbers.size else "",
+        "high": amount(high, unit),
         "note": f"{label}: {values.size} points",
     }
 

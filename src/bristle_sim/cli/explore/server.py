@@ -8,12 +8,9 @@ from __future__ import annotations
 import base64
 import contextlib
 import hashlib
-import ipaddress
 import json
 import mimetypes
 import re
-import socket
-import threading
 from collections.abc import Sequence
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -24,12 +21,13 @@ from bristle_sim.cli.explore.worker import KINDS, Workers
 from bristle_sim.cli.scenario import main_scenario
 from bristle_sim.render.report import filled
 
-OF_THE_PAGE = ("pin", "on", "fine")  # parts of a request that are not parameters of the tool
 READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
 
 PLAIN = "text/plain; charset=utf-8"
 
-NAMES = ("localhost", "127.0.0.1", "::1")
+THIS_MACHINE = "127.0.0.1"  # address on which the server listens
+
+NAMES = ("localhost", THIS_MACHINE, "::1")
 """Names of this machine that a request may carry.
 
 A foreign page can make a name of its own point to this machine (DNS rebinding). Its requests carry
@@ -39,18 +37,15 @@ that name and are refused."""
 class Server(ThreadingHTTPServer):
     """A listening web server of the interactive page; each request has its own thread."""
 
-    def __init__(
-        self, start: Sequence[str] = (), *, host: str = "127.0.0.1", port: int = 0
-    ) -> None:
+    def __init__(self, start: Sequence[str] = (), port: int = 0) -> None:
         """Make the page and begin to listen.
 
         Args:
             start: assignments ``KEY=VALUE`` of the tool that is shown first.
-            host: address on which the server listens.
             port: port; 0 for any free one.
 
         Raises:
-            OSError: if the server cannot listen on the host and port.
+            OSError: if the server cannot listen on the port.
             ValueError: for a refused value.
         """
         self.page = filled(
@@ -67,13 +62,16 @@ class Server(ThreadingHTTPServer):
             "Cache-Control": "no-store",
         }
         self.start = [*start]
-        self.host = host
         self.workers = Workers()
-        self.address_family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
-            super().__init__((host, port), Request)
+            super().__init__((THIS_MACHINE, port), Request)
         except OSError as error:
-            raise OSError(f"--host {host} --port {port}: {error.strerror}") from None
+            raise OSError(f"--port = {port}: must be a free port ({error.strerror})") from None
+
+    @property
+    def address(self) -> str:
+        """Address of the page."""
+        return f"http://{THIS_MACHINE}:{self.server_port}/"
 
     def serve_forever(self, poll_interval: float = 0.5) -> None:
         """Answer requests until the server is shut down; then close its socket."""
@@ -96,30 +94,33 @@ class Request(BaseHTTPRequestHandler):
         """Answer with the page, the result of a computation as JSON, or a file."""
         server = self.server
         url = urlsplit(self.path)
-        given = dict(parse_qsl(url.query, keep_blank_values=True))
-        typed = [f"{key}={value}" for key, value in given.items() if key not in OF_THE_PAGE]
-        options = [given[each] for each in ("on", "fine") if each in given]
         kind, _, suffix = url.path.removeprefix("/").partition("/")
+        given = dict(parse_qsl(url.query, keep_blank_values=True))
+        given.pop("pin", None)
+        options: list[Any] = [given.pop(name) for name in ("on", "fine") if name in given]
+        if kind == "run":
+            options = [len(server.start)]
+        elif kind == "download":
+            options = [suffix]
+        assignments = [*server.start, *(f"{key}={value}" for key, value in given.items())]
         client = self.headers.get("X-Client", "")
-        if not meant_for(self.headers.get("Host", ""), server.host, str(server.server_port)):
+        if not meant_for(self.headers.get("Host", ""), server.server_port):
             self._send("Host: must be the address that the command printed\n", PLAIN, 421)
         elif not kind:
             self._send(server.page, "text/html; charset=utf-8")
         elif kind == "progress":
             self._send({"done": server.workers.progress(client)})
-        elif kind == "run":
-            self._send(server.workers.answer(client, kind, server.start, typed))
-        elif kind in KINDS and not suffix:
-            self._send(server.workers.answer(client, kind, [*server.start, *typed], *options))
-        elif kind == "download" and suffix in bench.DOWNLOADS:
-            found = server.workers.answer("", kind, suffix, [*server.start, *typed])
-            if "error" in found:
+        elif kind not in KINDS or suffix not in ("", *bench.DOWNLOADS):
+            self._send("", PLAIN, 404)
+        else:
+            found = server.workers.answer(client, kind, assignments, *options)
+            if not suffix:
+                self._send(found)
+            elif "error" in found:
                 self._send(f"{found['error']}\n", PLAIN, 400)
             else:
                 mime = mimetypes.types_map.get(f".{suffix}", "application/toml")
                 self._send(found["content"], mime, name=f"tool.{suffix}")
-        else:
-            self._send("", PLAIN, 404)
 
     def _send(
         self,
@@ -155,23 +156,11 @@ class Request(BaseHTTPRequestHandler):
         """Log nothing."""
 
 
-def meant_for(header: str, host: str, port: str) -> bool:
-    """Return whether the Host header of a request names this server.
-
-    The header must name this machine or the address ``host``, with the server's port. A server that
-    listens on every address of the machine also accepts any numerical address, since no other site
-    can redirect a numerical address to this server.
-    """
-    with contextlib.suppress(ValueError):
+def meant_for(header: str, port: int) -> bool:
+    """Return whether the Host header of a request names this machine and the server's port."""
+    with contextlib.suppress(ValueError):  # the header's port is not a number
         named = urlsplit(f"//{header}")
-        name = named.hostname or ""
-        if str(named.port or 80) != port:
-            return False
-        if name in (*NAMES, host.lower()):
-            return True
-        if host in ("0.0.0.0", "::"):
-            ipaddress.ip_address(name)  # raises ValueError for a name
-            return True
+        return named.hostname in NAMES and (named.port or 80) == port
     return False
 
 
@@ -188,14 +177,3 @@ def content_policy(page: str) -> str:
         f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; img-src data:; connect-src 'self';"
         f" base-uri 'none'; form-action 'none'; frame-ancestors {frames}"
     )
-
-
-def serve(start: Sequence[str] = ()) -> str:
-    """Serve the interactive page from a thread of this process, and return its address.
-
-    Raises:
-        ValueError: for a refused value.
-    """
-    server = Server(start)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    return f"http://127.0.0.1:{server.server_port}/"
