@@ -9,6 +9,7 @@ from bristle_sim.scene.collisions import resolve_impacts
 from bristle_sim.scene.contact import ActiveContact
 from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.impacts import EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import BarPair, WorkpartPair
@@ -63,6 +64,23 @@ def test_an_error_grows_over_an_impact_as_neighbouring_runs_part(
     assert simulated.recording.error == pytest.approx(parted, rel=2e-3)
 
 
+@pytest.mark.parametrize(("friction", "known"), [(0.1, True), (3.0, False)])
+def test_the_error_is_unknown_where_it_decides_between_stick_and_jam(
+    friction: float, known: bool
+) -> None:
+    """Slip and approach of a rod end together, but for a hub that turns by less than the error. Friction of 3 stops both."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 1e-5, 0.3)
+    state = State(0.0, (0.9,), (-1.0,))
+    height = mechanism.poses(state)[0].corners[-1].imag
+    pair = WorkpartPair(-height, friction, friction, 0.5)
+    scene = Scene(mechanism, Effects(pairs=(pair,)))
+    law = EnergeticLaw(accuracy=1e-3)
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9), law=law)
+    system.recording.error = 1e-4
+    resolve_impacts(system, Motion(), pair, "strike", rests=False)
+    assert (system.recording.lost is None) == known
+
+
 def two_rods(
     rates: tuple[float, float],
     restitution: float,
@@ -93,6 +111,24 @@ def test_an_impact_that_drives_a_parting_contact_together_is_followed_by_one_the
     assert min(system.approach(pair) for pair in system.pairs) >= -system.slow
     assert motion.contacts == ()
     assert set(motion.separating) == {hinge, tip}
+
+
+def test_the_fastest_approach_is_resolved_first() -> None:
+    """A blow at the tip of three rods drives both hinges down, the first one faster."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0),) * 3)
+    state = State(0.0, (-1.1, 0.2, -1.2), (-0.1, 0.2, 2.7))
+    first, second, tip = (
+        WorkpartPair(-pose.corners[-1].imag, 0.1, 0.1, 0.5, link=link)
+        for link, pose in enumerate(mechanism.poses(state))
+    )
+    scene = Scene(mechanism, Effects(pairs=(first, second, tip)))
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9))
+    assert system.approach(tip) < 0.0 < min(system.approach(first), system.approach(second))
+    resolve_impacts(system, Motion((), (second, first)), tip, "strike", rests=False)
+    (blow, _), (_, links), *_ = system.recording.contacts
+    after = state._replace(rates=blow.rates_after)
+    assert system.closest(first, after).velocity[0] < system.closest(second, after).velocity[0] < 0
+    assert links == (0,)
 
 
 def test_a_blow_at_the_tip_that_jams_the_hinge_stops_the_run() -> None:
@@ -153,9 +189,11 @@ def test_slip_is_looked_up_anew_in_a_contact_that_outlasts_an_impact() -> None:
     assert lasting.slip is None
 
 
-@pytest.mark.parametrize(("speed", "lasts"), [(1.5, True), (10.0, False)])
-def test_a_rebound_that_is_too_slow_to_leave_lasts(speed: float, lasts: bool) -> None:
-    """With e* = 0.5 a rod that approaches at 1.5 times the least speed would leave at 0.75 times this speed."""
+@pytest.mark.parametrize(
+    ("speed", "left", "lasts"), [(0.5, 0.0, True), (1.5, 0.75, True), (10.0, 5.0, False)]
+)
+def test_a_rebound_that_is_too_slow_to_leave_lasts(speed: float, left: float, lasts: bool) -> None:
+    """Speeds are in units of the least one, below which an impact has no restitution; e* is 0.5."""
     mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 1.0, 0.3)
     angle = 0.9
     at_rest = State(0.0, (angle,), (0.0,))
@@ -168,6 +206,8 @@ def test_a_rebound_that_is_too_slow_to_leave_lasts(speed: float, lasts: bool) ->
     system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9))
     assert system.approach(pair) == pytest.approx(-speed * slow, rel=1e-6)
     motion = resolve_impacts(system, Motion(), pair, "strike", rests=False)
+    ((record, _),) = system.recording.contacts
+    assert record.velocity_after[0] == pytest.approx(left * slow, abs=1e-6 * slow)
     assert [contact.pair for contact in motion.contacts] == ([pair] if lasts else [])
     assert motion.separating == (() if lasts else (pair,))
 

@@ -9,8 +9,12 @@ import pytest
 
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.contact import Sums
+from bristle_sim.scene.events import Kind, contact_events
+from bristle_sim.scene.extrapolation import Extrapolation, IntervalResult
 from bristle_sim.scene.impacts import ContactLaw
 from bristle_sim.scene.strike import Chain, build_strike, strike, struck
+from bristle_sim.scene.system import Plan, System
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
@@ -364,3 +368,29 @@ def test_friction_cannot_stop_the_slip_of_a_rod_along_the_surface(
     normal, along = record.impulse
     assert normal == pytest.approx((1.0 + e) * (1.0 + hub[0] * hub[1]) / 3.0, rel=5e-3)
     assert abs(along) <= mu * normal * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("share", "kinds"), [(0.5, set()), (1.1, {Kind.REST_ENDS}), (-0.1, {Kind.PRESSED_ON})]
+)
+@pytest.mark.parametrize("later", [0.6, 0.1])
+def test_slip_at_rest_ends_where_its_friction_leaves_both_coefficients(
+    later: float, share: float, kinds: set[Kind]
+) -> None:
+    """The friction is ``share`` of the way from mu, with which the tip moves deeper, to mu_2, with which it moves out."""
+    scene, state, pair, _ = build_strike(PAIR, Surface(0.3, later, 0.5))
+    law = CompliantLaw(1e-3, 1e-6)
+    spring = law.spring(scene, state, pair)
+    assert spring is not None
+    system = System(scene, state, Extrapolation(1e-6), Plan(1.0, 1e-6), law=law)
+    moved = state._replace(angles=tuple(a + 1e-4 * w for a, w in zip(*state[1:], strict=True)))
+    slip = system.closest(pair, moved).velocity[1]
+    spring.slip = int(math.copysign(1.0, slip))
+    spring.deepest = spring.penetration(system.closest, moved)
+    spring.at_rest = True
+    force = spring.law.stiffness * spring.deepest
+    friction = 0.3 + share * (later - 0.3)
+    sums = Sums(force, -spring.slip * friction * force)
+    reached = IntervalResult(moved, totals=tuple(sums))
+    events = contact_events(system, [spring], None)
+    assert {event.kind for event in events if event.value(reached) < 0.0} == kinds

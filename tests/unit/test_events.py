@@ -13,6 +13,7 @@ from bristle_sim.scene.locate import Interval, first_change, locate
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach
 from bristle_sim.scene.system import LEAST_VALUE
+from bristle_sim.scene.touches import _search_hop as search_hop
 from bristle_sim.scene.touches import first_touch, polynomial_error
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
@@ -192,3 +193,25 @@ class TestFirstChange:
         assert cut.end is whole.first
         assert cut.length == 0.0
         assert whole.up_to(whole.integrate_to(1e-3)).length == 1e-3
+
+
+def test_a_hop_whose_end_cannot_be_located_is_no_rest_while_the_gap_is_open() -> None:
+    """On the polynomial the gap closes after 0.95 of the interval. In the motion it is 0.05 up to a jump at the end."""
+
+    def moved(time: float) -> IntervalResult:
+        return IntervalResult(State(time, (0.05,), (1.0,)), (0.0,))
+
+    first = IntervalResult(State(0.0, (0.0,), (1.0,)))
+    hop = Interval(first, IntervalResult(State(1.0, (-0.1,), (-1.2,))), moved)
+    plan = SimpleNamespace(time_scale=1.0, accuracy=1e-3, instant=0.01)
+    system: Any = SimpleNamespace(
+        plan=plan,
+        mechanism=SimpleNamespace(single_link=False),
+        stepper=SimpleNamespace(noise=1e-4),
+        closest=lambda _, state: approach(state.angles[0], state.rates[0]),
+    )
+    pair: Any = None
+    found = search_hop(system, hop, pair, 1.0)
+    assert found is not None
+    reached, event = found
+    assert (reached.length, event) == (0.5, None)
