@@ -29,6 +29,11 @@ choice of the interval's length takes account of it."""
 # Rounding error of an angle of a few radians, rad. The weights of extrapolation amplify it.
 ANGLE_ROUNDING = 4e-16
 
+FEW_REPETITIONS = 1e-6
+"""Tolerance of an interval, in scene units, above which the error is first estimated after three
+repetitions. At a smaller tolerance, three repetitions of steps that are not symmetric hardly ever
+suffice, and an estimate after the third would take 3 % of the time."""
+
 # Least ratio of an error estimate to the estimate of the previous repetition, with damping. A
 # smaller estimate, which may be too small by chance, is raised to this ratio.
 LEAST_GAIN = 0.1
@@ -112,7 +117,6 @@ class Repetitions:
     Attributes:
         counts: number of steps of each repetition.
         power: power p of the step h; the error of a result is a polynomial in h^p.
-        least_rows: number of repetitions after which the error is first estimated.
         costs: total cost, as a number of engine steps.
         first_order: weights for results whose error is a polynomial in h.
         weights: weights for results whose error is a polynomial in h^p.
@@ -127,7 +131,6 @@ class Repetitions:
         rows = range(1, len(counts) + 1)
         self.counts = counts
         self.power = power
-        self.least_rows = 3 if power > 1 else 4
         self.costs = [PLACING_COST * row + sum(counts[:row]) for row in rows]
         self.first_order = [lagrange_weights(counts[:row]) for row in rows]
         self.weights = [lagrange_weights(counts[:row], power) for row in rows]
@@ -223,6 +226,7 @@ class Extrapolation:
         symmetric = scene.mechanism.jointed and (load is None or load.symmetric)
         halved = load is None and not symmetric
         table = self.table = EVEN if symmetric else HALVED if halved else self._given
+        least = 3 if symmetric or self.noise > FEW_REPETITIONS else 4
         known: dict[int, float] = {}
         links = len(scene.links)
         results: list[list[float]] = []
@@ -242,7 +246,7 @@ class Extrapolation:
                 failed = load.fails(values[3 * links :])
                 if failed:
                     break
-            if row + 1 >= table.least_rows:
+            if row + 1 >= least:
                 columns = [*zip(*results, strict=True)]
                 differences = table.differences[row]
                 errors = [abs(sum(map(mul, differences, each))) for each in columns[: 2 * links]]
