@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -72,13 +73,12 @@ def test_a_sweep_over_two_keys_is_a_map_with_the_extremes_of_each_quantity(
 ):
     keys = ("--sweep", "friction=0.1:0.3:5", "--sweep", "hub_speed=2400rpm:2600rpm:3")
     assert called(*keys, "--plot", str(tmp_path / "map.png")) == 0
-    answer, _, title, *lines = capsys.readouterr().out.splitlines()
+    answer, _, *lines = capsys.readouterr().out.splitlines()
     assert "(5 x 3 points)" in answer
     assert "the tip reverses its slip in 100 % of them" in answer
-    assert title == "lowest and highest, at friction, hub_speed:"
     (speed,) = [line for line in lines if line.startswith("tip speed")]
     # The slower hub gives the slower tip.
-    assert "0.1, 2400 rpm" in speed.split("at")[0]
+    assert re.match(r"tip speed v_C +[\d.]+ m/s at 0\.1, 2400 rpm ", speed)
     assert (tmp_path / "map.png").stat().st_size > 0
 
 

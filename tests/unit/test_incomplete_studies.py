@@ -92,7 +92,7 @@ REFUSALS = [
     (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50)), "no contact found"),
     (partial(cue_timing, UNBARRED, 0.7, Settings()), "bar, workpart"),
     (partial(cue_timing, FLEXIBLE, 0.7, Settings()), "^wire_links = 2: must be 1"),
-    (partial(strikes_of, UNBARRED, Settings()), "bar, workpart: must both be there"),
+    (partial(strikes_of, UNBARRED, Settings()), "bar, workpart: must both be parts"),
     (partial(cue_map, FLEXIBLE, Settings()), "^wire_links = 2: must be 1"),
     (lambda: driven(AT_REST), "^hub_speed = 0: must be above 0"),
     (

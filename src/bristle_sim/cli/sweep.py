@@ -28,6 +28,7 @@ from bristle_sim.studies.scenario_sweep import (
     Series,
     Swept,
     constants_in_words,
+    extremes,
     sweep_in_arrays,
     sweep_in_words,
     sweep_of_runs,
@@ -78,7 +79,13 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
         values = scenario.values_of(options.set)
         fixed = {key: value for key, value in values.items() if key not in axes}
         contents["json"] = json_of(scenario.name, answer, fixed, columns=table_columns(found))
-    table = _rows(found, chosen) if len(axes) == 1 else _extremes(found, chosen)
+    if len(axes) == 1:
+        table = _rows(found, chosen)
+    else:
+        pair = [*found.axes.values()]
+        shown = [found.quantities[name] for name in chosen]
+        rows = [[each.label, *extremes(each, pair)] for each in shown]
+        table = aligned([["quantity", "lowest", "highest"], *rows], range(3))
     table += _wrapped("constant", constants_in_words(found))
     deliver(options, targets, contents, "\n".join([answer, "", *table]))
 
@@ -151,13 +158,11 @@ def _chosen(found: Swept, requested: Sequence[str]) -> list[str]:
 
     A quantity without a value at any point is left out.
     """
-    known = [name for name, each in found.quantities.items() if each.known]
+    known = {name: each for name, each in found.quantities.items() if each.finite.size}
     for name in requested if known else ():
         if name not in found.quantities:
             raise ValueError(f"--quantity = {name!r}: {likely_key(name, found.quantities)}")
-    changing = [
-        name for name in (*FIRST, *known) if name in known and found.quantities[name].changes
-    ]
+    changing = [name for name in (*FIRST, *known) if name in known and known[name].changes]
     return [name for name in requested or dict.fromkeys(changing) if name in known]
 
 
@@ -169,11 +174,13 @@ def table_columns(found: Swept) -> dict[str, list[Any]]:
     import numpy as np
 
     grids = np.meshgrid(*(axis.values for axis in found.axes.values()), indexing="ij")
-    places = dict(zip(found.axes, grids, strict=True))
     columns = {}
-    for name, each in (found.axes | found.quantities).items():
-        heading = name if each.unit == "1" else f"{name} ({each.unit})"
-        columns[heading] = places.get(name, each.values)
+    for (name, each), values in zip(
+        (found.axes | found.quantities).items(),
+        [*grids, *(each.values for each in found.quantities.values())],
+        strict=True,
+    ):
+        columns[name if each.unit == "1" else f"{name} ({each.unit})"] = values
     if found.outcome is not None:
         columns["outcome"] = found.outcome
     columns["failure"] = found.failure
@@ -228,23 +235,3 @@ def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
     """
     words = f"{title}: {', '.join(parts)}"
     return ["", *textwrap.wrap(words, WIDTH, subsequent_indent="  ")] if parts else []
-
-
-def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
-    """Return the lines of a table of the lowest and highest value of each quantity.
-
-    Beside each of them stand the values of the swept parameters at which it occurs.
-    """
-    import numpy as np
-
-    rows = [["quantity", "unit", "lowest", "at", "highest", "at"]]
-    for quantity in (found.quantities[name] for name in chosen):
-        unit, size = quantity.display
-        cells = [quantity.label, unit]
-        for extreme in (np.nanargmin, np.nanargmax):
-            place = np.unravel_index(extreme(quantity.values), quantity.values.shape)
-            pairs = zip(found.axes.values(), place, strict=True)
-            where = ", ".join(axis.in_words(axis.values[i]) for axis, i in pairs)
-            cells += [f"{quantity.values[place] / size + 0.0:.5g}", where]
-        rows.append(cells)
-    return [f"lowest and highest, at {', '.join(found.axes)}:", *aligned(rows, (0, 1))]

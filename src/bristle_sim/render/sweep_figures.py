@@ -51,17 +51,17 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
         ValueError: if no quantity has a value.
     """
     shown = [found.quantities[name] for name in names or found.quantities]
-    shown = [each for each in shown if each.known]
+    shown = [each for each in shown if each.finite.size]
     if not shown:
         raise ValueError(f"--plot: must have results to draw; {found.failure.ravel()[0]}")
     panels = [*([] if found.outcome is None else [None]), *shown]
     rows = math.ceil(len(panels) / COLUMNS)
     figure = style.blank_figure(COLUMNS * WIDTH, rows * HEIGHT + 1.0)
     places = figure.subplots(rows, COLUMNS, sharex=True, squeeze=False).ravel()
-    axis_labels = [_heading(axis) for axis in found.axes.values()]
+    axis_labels = [axis.heading for axis in found.axes.values()]
     x, *others = (axis.values / axis.display[1] for axis in found.axes.values())
     for axes, quantity in zip(places, panels, strict=False):
-        title = "outcome, coloured as above" if quantity is None else _heading(quantity)
+        title = "outcome, coloured as above" if quantity is None else quantity.heading
         axes.set_title("\n".join(textwrap.wrap(title, TITLE_LETTERS)), fontsize=7.5)
         axes.tick_params(labelbottom=True)
         if quantity is None:
@@ -79,10 +79,6 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     figure.supxlabel(axis_labels[0], fontsize=8.0)
     figure.supylabel("".join(axis_labels[1:]), fontsize=8.0)
     return figure
-
-
-def _heading(series: Series) -> str:
-    return series.heading.replace("(deg)", "(°)")
 
 
 def _draw_outcomes(axes: Axes, outcome: Any, x: Array, y: Array | None = None) -> None:
@@ -181,7 +177,7 @@ def trade_off_figure(found: Design) -> Figure:
             place = np.array([point.get(across), point.get(name)], float)  # NaN where unknown
             place /= [each.display[1] for each in pair]
             axes.plot(*place, mark, color=VERMILION, label=words)
-        axes.set_ylabel(textwrap.fill(_heading(curves[name]), 22))
+        axes.set_ylabel(textwrap.fill(curves[name].heading, 22))
     panels[0].legend(fontsize=7.0)
-    panels[-1].set_xlabel(_heading(curves[across]))
+    panels[-1].set_xlabel(curves[across].heading)
     return figure

@@ -91,7 +91,7 @@ def bar_of(tool: Tool) -> Bar:
         ValueError: for a tool without bar or workpart.
     """
     if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: must both be there, or nothing is cued")
+        raise ValueError("bar, workpart: must both be parts of the tool")
     return tool.bar
 
 

@@ -23,7 +23,7 @@ from bristle_sim.parameters import Bar, MapGrid, Tool
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies import bar_search
-from bristle_sim.studies.many_passes import CHECKED_POINTS, checked_by_scene
+from bristle_sim.studies.many_passes import checked_by_scene
 from bristle_sim.studies.strike_measures import STATE, beside_radial
 from bristle_sim.studies.strike_point import strike_measures, strikes_of_keys
 from bristle_sim.studies.sweep_point import FAILURE
@@ -139,9 +139,12 @@ def cue_map(
             "bar_direction_for_highest_tip_speed_deg": tolerance
             + 4.0 * bar_search.FINEST_MAXIMUM / fastest.direction,
         }
-    random = np.random.default_rng(1).uniform(-CHECKED_RANGE, CHECKED_RANGE, CHECKED_POINTS)
-    directions = radial.direction + np.append(0.0, random)
-    check = checked_by_scene(tool, settings, bar_search.centre_of(tool, directions))
+
+    def values_of(fractions: Array) -> dict[str, Array]:
+        offsets = CHECKED_RANGE * (2.0 * fractions[0] - 1.0)
+        return bar_search.centre_of(tool, radial.direction + offsets)
+
+    check = checked_by_scene(tool, settings, np.array([0.5]), values_of)
     found = CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula)
     stiffened = math.degrees(bar_search.stiffened_direction(tool))
     simulated = _named(tool, radial, fastest)

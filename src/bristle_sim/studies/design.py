@@ -23,7 +23,6 @@ from bristle_sim.studies.design_words import (
     tool_in_words,
 )
 from bristle_sim.studies.many_passes import (
-    CHECKED_POINTS,
     SCENE,
     Check,
     checked_by_scene,
@@ -212,9 +211,7 @@ def _found(search: Search) -> Design:
         before = whole_pass(search.tool, SCENE).quantities
     except ValueError:  # the given tool's parts may overlap although those of the found tool do not
         before = ()
-    random = np.random.default_rng(1).random((place.size, CHECKED_POINTS))
-    checked = search.keys_at(np.column_stack([place, random]))
-    check = checked_by_scene(search.tool, SCENE, checked)
+    check = checked_by_scene(search.tool, SCENE, place, search.keys_at)
     words = tool_in_words(search, varied, report, met)
     if conflict:
         words = f"{conflict_in_words(search, conflict)}; the nearest: {words}"

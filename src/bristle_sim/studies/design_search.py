@@ -25,7 +25,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import key_values
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import OUTCOME, pass_quantities
+from bristle_sim.studies.many_passes import OUTCOME, pass_quantities, values_at
 from bristle_sim.studies.sweep_point import FAILURE
 
 SEED = 1
@@ -127,8 +127,7 @@ class Search:
 
         ``fractions`` are the values as fractions of their ranges, shape (parameters, points).
         """
-        pairs = zip(self.vary.items(), fractions, strict=True)
-        return {key: low + (high - low) * each for (key, (low, high)), each in pairs}
+        return values_at(self.vary, fractions)
 
     def passes(self, fractions: Array) -> dict[str, Array]:
         """Compute the pass of the tool at each point, and return the results by name.

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import logging
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, Number
 from bristle_sim.declared import Choice, UnusualValueWarning
 from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.ensemble import ensemble
@@ -136,8 +136,24 @@ class Check:
         return f"the time-domain simulation agrees to {self.difference:.0e} in {self.passes} passes{apart}"
 
 
-def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]) -> Check:
-    """Compare vectorised passes with passes simulated one by one.
+def values_at(ranges: Mapping[str, tuple[float, float]], fractions: Number) -> dict[str, Number]:
+    """Return the values of parameters at given fractions of their ranges, by name.
+
+    Args:
+        ranges: lower and upper bound of each parameter, by name.
+        fractions: fraction of its range for each parameter, shape (parameters, ...).
+    """
+    pairs = zip(ranges.items(), fractions, strict=True)
+    return {key: low + (high - low) * each for (key, (low, high)), each in pairs}
+
+
+def checked_by_scene(
+    tool: Tool,
+    settings: Settings,
+    answer: Array,
+    values_of: Callable[[Array], Mapping[str, Array]],
+) -> Check:
+    """Compare vectorised passes with passes simulated one by one, at an answer and at random points.
 
     The outcome, the instant of the strike, lag, tip speed and normal impulse are compared. Their
     differences are relative. A tool that the vectorised computation rejects is left out.
@@ -145,8 +161,12 @@ def checked_by_scene(tool: Tool, settings: Settings, values: Mapping[str, Array]
     Args:
         tool: the tool that gives the values of all other parameters.
         settings: accuracy of both computations.
-        values: arrays of the varied parameters, shape (points,), by name.
+        answer: point of the answer, as fractions of ranges from 0 to 1.
+        values_of: function of points, shape (ranges, points), that returns the values of the varied
+            parameters, by name.
     """
+    random = np.random.default_rng(1).random((answer.size, CHECKED_POINTS))
+    values = values_of(np.column_stack([answer, random]))
     found = pass_quantities(tool, settings, **values)
     compared = np.flatnonzero(found[OUTCOME] != OUTCOMES[REFUSED])
     worst = 0.0

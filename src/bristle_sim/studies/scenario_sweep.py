@@ -18,13 +18,13 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Tool
 from bristle_sim.passes.strike import OUTCOMES
-from bristle_sim.readable import amount, plain_number, readable_unit
+from bristle_sim.readable import plain_number, readable_unit
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import (
-    CHECKED_POINTS,
     OUTCOME,
     checked_by_scene,
     pass_quantities,
+    values_at,
 )
 from bristle_sim.studies.sweep_point import FAILURE, evaluate_in_turn
 from bristle_sim.studies.whole_pass import QUANTITIES
@@ -63,9 +63,10 @@ class Series:
         The unit is empty for pure numbers.
         """
         if self.is_key:
-            return display_unit(self.label, self.unit)
-        unit, size = readable_unit(self.unit, self.values.ravel().tolist())
-        return "" if unit == "1" else unit, size
+            unit, size = display_unit(self.label, self.unit)
+        else:
+            unit, size = readable_unit(self.unit, self.values.ravel().tolist())
+        return {"deg": "°", "1": ""}.get(unit, unit), size
 
     @property
     def heading(self) -> str:
@@ -74,22 +75,21 @@ class Series:
         return f"{self.label} ({unit})" if unit else self.label
 
     @property
-    def known(self) -> bool:
-        """Whether there is a value at one point at least."""
-        return bool(np.isfinite(self.values).any())
+    def finite(self) -> Array:
+        """All values that are not missing."""
+        return self.values[np.isfinite(self.values)]
 
     @property
     def changes(self) -> bool:
         """Whether the values differ by more than rounding error among the points."""
-        known = self.values[np.isfinite(self.values)]
+        known = self.finite
         return bool(known.size and np.ptp(known) > ROUNDING * np.abs(known).max())
 
     def in_words(self, value: float, digits: int = 4) -> str:
         """Return a value of the series as text with its readable unit."""
-        if not self.is_key:
-            return amount(float(value) + 0.0, self.unit, digits)
         unit, size = self.display
-        return f"{plain_number(float(value) / size, digits)} {unit}".rstrip()
+        number = plain_number(float(value) / size + 0.0, digits)
+        return number + unit if unit == "°" else f"{number} {unit}".rstrip()
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +111,11 @@ class Swept:
     outcome: NDArray[Any] | None = None
     check: str = ""
 
+    @property
+    def complete(self) -> NDArray[np.bool_]:
+        """Whether no quantity is missing, for each point."""
+        return np.isfinite([each.values for each in self.quantities.values()]).all(axis=0)  # type: ignore[return-value]
+
 
 def sweep_in_arrays(tool: Tool, settings: Settings, axes: dict[str, Series]) -> Swept:
     """Compute the passes of a straight rigid bristle at all points of a sweep at once.
@@ -118,15 +123,16 @@ def sweep_in_arrays(tool: Tool, settings: Settings, axes: dict[str, Series]) -> 
     Some points are also simulated one by one. ``check`` of the result states how well they agree.
     """
     passes = pass_quantities(tool, settings, **_grids(axes))
-    random = np.random.default_rng(1)
-    chosen = {key: random.choice(axis.values, CHECKED_POINTS + 1) for key, axis in axes.items()}
+    ranges = {key: (axis.values[0], axis.values[-1]) for key, axis in axes.items()}
+    values_of = functools.partial(values_at, ranges)
     quantities = {
         name: Series(label, unit, passes[name]) for name, (label, unit) in QUANTITIES.items()
     }
-    complete = np.all([np.isfinite(each.values) for each in quantities.values()], axis=0)
     reason = np.where(passes[FAILURE] == "", passes[OUTCOME].astype(object), passes[FAILURE])
-    check = str(checked_by_scene(tool, settings, chosen))
-    return Swept(axes, quantities, np.where(complete, "", reason), passes[OUTCOME], check)
+    check = str(checked_by_scene(tool, settings, np.zeros(len(axes)), values_of))
+    swept = Swept(axes, quantities, reason, passes[OUTCOME], check)
+    reason[swept.complete] = ""
+    return swept
 
 
 def _grids(axes: Mapping[str, Series]) -> dict[str, Array]:
@@ -147,53 +153,65 @@ def sweep_of_runs(
         run: function that takes the parameters as keyword arguments and returns the scenario's
             report. If it raises ValueError, the message is the reason why the point lacks results.
         axes: values of each parameter, by its name.
-        workers: processes or cluster that compute the points, as for :func:`bristle_sim.sweep`,
-            which raises the same errors. Without workers and store the points are computed one
-            after the other.
+        workers: processes or cluster that compute the points, as for :func:`bristle_sim.sweep`.
+            Without workers and store the points are computed one after the other.
         store: folder in which finished points are stored, as for :func:`bristle_sim.sweep`.
 
     Returns:
         The simulated values of the report's quantities. A quantity that is not simulated at any
             point has its values by formula.
+
+    Raises:
+        ValueError: if the workers are lost, or the extra ``sweep`` is needed and not installed.
+        OSError: if the store cannot be read or written.
     """
     function = functools.partial(_quantities, run)
     if workers is None and store is None:
         columns = evaluate_in_turn(function, _grids(axes))
     else:
-        try:
-            from bristle_sim.studies.sweep import sweep
-        except ImportError as error:
-            raise ValueError(
-                f"--workers, --store: need the extra sweep: pip install bristle-sim[sweep] ({error})"
-            ) from error
-        space = {key: axis.values for key, axis in axes.items()}
-        try:
-            found = sweep(function, space, workers=workers, store=store)
-        except RuntimeError as error:
-            raise ValueError(f"--{error}") from error
-        except OSError as error:
-            if store is None:
-                raise
-            rule = f"must be a folder that can be read and written ({error.strerror or error})"
-            raise OSError(f"--store = {store!r}: {rule}") from error
-        columns = {str(name): each.values for name, each in found.data_vars.items()}
+        columns = _with_workers(function, axes, workers, store)
     failure = columns.pop(FAILURE).astype(object)
     unknown = np.full(failure.shape, math.nan)
     codes = columns.pop(CODE, unknown)
     words = np.array([*OUTCOMES, ""])[np.nan_to_num(codes, nan=len(OUTCOMES)).astype(int)]
     swept = Swept(axes, {}, failure, words if np.isfinite(codes).any() else None)
     finished = np.argwhere(np.isfinite([unknown, *columns.values()]).any(axis=0))
-    if not finished.size:
-        return swept
-    point = {key: float(axes[key].values[i]) for key, i in zip(axes, finished[0], strict=True)}
-    for each in run(**point).quantities:  # they have labels and units
-        values = columns.get(each.name, unknown)
-        if not np.isfinite(values).any():
-            values = columns.get(each.name + FORMULA, values)
-        swept.quantities[each.name] = Series(each.label or each.name, each.unit, values)
-    complete = np.all([np.isfinite(each.values) for each in swept.quantities.values()], axis=0)
-    failure[complete] = ""
+    if finished.size:
+        point = {key: float(axes[key].values[i]) for key, i in zip(axes, finished[0], strict=True)}
+        for each in run(**point).quantities:  # they have labels and units
+            simulated = Series(each.label, each.unit, columns.get(each.name, unknown))
+            formula = columns.get(each.name + FORMULA, unknown)
+            by_formula = Series(each.label, each.unit, formula)
+            swept.quantities[each.name] = simulated if simulated.finite.size else by_formula
+        failure[swept.complete] = ""
     return swept
+
+
+def _with_workers(
+    function: Callable[..., Any], axes: Mapping[str, Series], workers: Any, store: Any
+) -> dict[str, NDArray[Any]]:
+    """Evaluate a function at all points by worker processes, or with a folder of finished points.
+
+    Returns:
+        Arrays of the results, by name.
+    """
+    try:
+        from bristle_sim.studies.sweep import sweep
+    except ImportError as error:
+        raise ValueError(
+            f"--workers, --store: need the extra sweep: pip install bristle-sim[sweep] ({error})"
+        ) from error
+    space = {key: axis.values for key, axis in axes.items()}
+    try:
+        found = sweep(function, space, workers=workers, store=store)
+    except RuntimeError as error:
+        raise ValueError(f"--{error}") from error
+    except OSError as error:
+        if store is None:
+            raise
+        rule = f"must be a folder that can be read and written ({error.strerror or error})"
+        raise OSError(f"--store = {store!r}: {rule}") from error
+    return {str(name): each.values for name, each in found.data_vars.items()}
 
 
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
@@ -204,13 +222,13 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
     """
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
-    incomplete = None in values.values()
-    if report.outcome_in_words in OUTCOMES:
-        values[CODE] = OUTCOMES.index(report.outcome_in_words)
+    failure = (report.answer or report.outcome) if None in values.values() else ""
     for each in report.quantities:
         if each.simulated is None:
             values[each.name + FORMULA] = each.theory
-    return values | {FAILURE: (report.answer or report.outcome) if incomplete else ""}
+    if report.outcome_in_words in OUTCOMES:
+        values[CODE] = OUTCOMES.index(report.outcome_in_words)
+    return values | {FAILURE: failure}
 
 
 FIRST = ("tip_speed_at_contact", "normal_final_impulse", "lag_deg_at_contact")
@@ -251,24 +269,29 @@ def _change(quantity: Series, axes: Sequence[Series]) -> str:
     that become more positive or more negative "change", because "rise" and "fall" might be read as
     statements on their magnitude.
     """
-    places = np.flatnonzero(np.isfinite(quantity.values))
-    values = quantity.values.ravel()[places]
-    lowest = quantity.in_words(values.min())
-    highest = quantity.in_words(values.max())
+    values = quantity.finite
+    changes = np.diff(values)
     if len(axes) > 1:
-        return f"the {quantity.label} lies between {lowest} and {highest}"
+        ends = " and ".join(map(quantity.in_words, (values.min(), values.max())))
+        return f"the {quantity.label} lies between {ends}"
     if not quantity.changes:
         return f"the {quantity.label} stays {quantity.in_words(values[0])}"
-    changes = np.diff(values)
     if (changes >= 0.0).all() or (changes <= 0.0).all():
         verb = "rises" if values[-1] > values[0] else "falls"
         ends = f"from {quantity.in_words(values[0])} to {quantity.in_words(values[-1])}"
         return f"the {quantity.label} {verb if values.max() > 0.0 else 'changes'} {ends}"
-    (axis,) = axes
-    low, high = (
-        axis.in_words(axis.values[places[at]]) for at in (values.argmin(), values.argmax())
-    )
-    return f"the {quantity.label} is lowest, {lowest} at {low}, and highest, {highest} at {high}"
+    lowest, highest = extremes(quantity, axes)
+    return f"the {quantity.label} is lowest, {lowest}, and highest, {highest}"
+
+
+def extremes(quantity: Series, axes: Sequence[Series]) -> list[str]:
+    """Return the lowest and the highest value of a quantity with the place of each, as texts."""
+    found = []
+    for extreme in (np.nanargmin, np.nanargmax):
+        place = np.unravel_index(extreme(quantity.values), quantity.values.shape)
+        where = [axis.in_words(axis.values[i]) for axis, i in zip(axes, place, strict=True)]
+        found.append(f"{quantity.in_words(quantity.values[place])} at {', '.join(where)}")
+    return found
 
 
 def _outcomes(outcome: NDArray[Any], axes: Sequence[Series]) -> str:
@@ -294,7 +317,7 @@ def _outcomes(outcome: NDArray[Any], axes: Sequence[Series]) -> str:
 def constants_in_words(found: Swept) -> list[str]:
     """Return a phrase with name and value for each quantity that is the same at all points."""
     return [
-        f"{each.label} {each.in_words(each.values[np.isfinite(each.values)][0], 5)}"
+        f"{each.label} {each.in_words(each.finite[0], 5)}"
         for each in found.quantities.values()
-        if each.known and not each.changes
+        if each.finite.size and not each.changes
     ]

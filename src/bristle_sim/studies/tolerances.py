@@ -36,7 +36,8 @@ from bristle_sim.parameters import KEYS, Sampling, Spreads, Tool
 from bristle_sim.passes.request import key_values
 from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import CHECKED_POINTS, checked_by_scene
+from bristle_sim.studies.bar_search import bar_of
+from bristle_sim.studies.many_passes import checked_by_scene, values_at
 from bristle_sim.studies.strike_measures import IMPACT, STATE
 from bristle_sim.studies.strike_point import STRIKE_UNITS, strikes_of_keys
 from bristle_sim.studies.sweep_point import FAILURE
@@ -114,8 +115,7 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
         ValueError: if for some inputs in the intervals the bristle does not strike after leaving
             the bar.
     """
-    if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: must both be parts of the tool")
+    bar_of(tool)
     started = clock.perf_counter()
     intervals = _intervals(tool, spreads)
     function = functools.partial(strikes_of_keys, settings, tool)
@@ -127,13 +127,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
         unit = STRIKE_UNITS[name]
         quantities.append(Quantity(f"{name}_mean", unit, row["mean"]))
         quantities.append(Quantity(f"{name}_std", unit, row["std"], row["std_first_order"]))
-    # The tool itself and random points of the intervals
-    fractions = np.append(0.5, np.random.default_rng(1).uniform(size=CHECKED_POINTS))
-    points = {
-        key: low + (high - low) * np.roll(fractions, number)
-        for number, (key, (low, high)) in enumerate(intervals.items())
-    }
-    check = checked_by_scene(tool, settings, points)
+    values_of = functools.partial(values_at, intervals)
+    check = checked_by_scene(tool, settings, np.full(len(intervals), 0.5), values_of)
     return Report(
         quantities=tuple(quantities),
         wall_s=clock.perf_counter() - started,
@@ -171,11 +166,10 @@ def propagated(
     dy/dx_i. The standard deviation of y for uniformly distributed inputs is then the square root of
     a third of the sum of the squared effects. An output without a value is left out.
     """
-    shape = (len(intervals), 2)
-    points = {key: np.full(shape, 0.5 * sum(ends)) for key, ends in intervals.items()}
-    for number, (key, ends) in enumerate(intervals.items()):
-        points[key][number] = ends
-    found = function(**points)
+    fractions = np.full((len(intervals), len(intervals), 2), 0.5)
+    for number in range(len(intervals)):
+        fractions[number, number] = (0.0, 1.0)
+    found = function(**values_at(intervals, fractions))
     return {
         name: dict(zip(intervals, (0.5 * np.diff(values)[:, 0]).tolist(), strict=True))
         for name, values in found.items()
@@ -243,19 +237,18 @@ def sobol_study(
     """
     inputs = len(intervals)
     each = samples // SEQUENCES
-    low, high = np.array(list(intervals.values())).T[:, :, np.newaxis]
     sequences = [
         Sobol(2 * inputs, seed=random, bits=64).random(each)
         for random in np.random.default_rng(seed).spawn(SEQUENCES)
     ]
     fractions = np.concatenate(sequences).T.reshape(2, inputs, samples)
-    first, second = low + (high - low) * fractions
+    first, second = fractions
     mixed = np.tile(first, (inputs, 1, 1))
     mixed[np.arange(inputs), np.arange(inputs)] = second
 
     def at(batch: Array) -> Array:
-        """Return the outputs at a batch of points, shape (outputs, points)."""
-        points = dict(zip(intervals, batch, strict=True))
+        """Return the outputs at points given as fractions of the intervals, shape (outputs, points)."""
+        points = values_at(intervals, batch)
         found = function(**points)
         _require_results(found, points, outputs)
         return np.array([found[name] for name in outputs])
