@@ -59,14 +59,15 @@ def begin_spring(
 def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringContact | None:
     """Return a new contact with a spring for a tip that rests on the surface after a contact.
 
-    Return None if no force presses the tip against the surface, or if the wire has several links. A
-    static load F compresses a spring of stiffness k by F/k. If the load is that of the belt and the
-    contact is not very short, this compression exceeds the requested accuracy, so the tip cannot be
-    treated as a rigid contact. Without restitution, one contact with a spring follows the other.
+    Return None if no force presses the tip against the surface, or if the wire has another contact.
+    A static load F compresses a spring of stiffness k by F/k. If the load is that of the belt and
+    the contact is not very short, this compression exceeds the requested accuracy, so the tip
+    cannot be treated as a rigid contact. Without restitution, one contact with a spring follows the
+    other.
     """
     own = set(system.wires_of(pair))
     coupled = any(own & set(system.wires_of(contact.pair)) for contact in motion.contacts)
-    if system.mechanism.jointed or coupled or not system.waiting:
+    if coupled or not system.waiting:
         return None
     instant = system.plan.instant
     ahead = system.flight.advance(system.scene, system.state, instant).state
