@@ -52,6 +52,24 @@ def test_a_whole_pass(
     assert run.angles[-1, 0] == pytest.approx(exact.angles[-1, 0], abs=10.0 * ACCURACY)
 
 
+@pytest.mark.parametrize(("duration", "compliance"), [(5e-5, 1.6), (1e-5, 1.6), (1e-4, 0.0)])
+def test_the_reference_is_accurate_where_unloading_is_stiff(
+    duration: float, compliance: float
+) -> None:
+    """With e* = 0.03 unloading is 1,100 times as stiff as loading, and magnifies errors of the deepest penetration."""
+    tool = timed(duration, restitution=0.03, compliance=compliance)
+    coarse, fine = (
+        simulate_reference(tool, accuracy=each, stop_after="workpart release").first_contact(
+            "workpart"
+        )
+        for each in (ACCURACY, 1e-11)
+    )
+    assert coarse is not None
+    assert fine is not None
+    error = coarse.rates_after[0] - fine.rates_after[0]
+    assert abs(error) < 0.1 * ACCURACY * abs(fine.rates_before[0])
+
+
 def test_a_wire_whose_tip_is_pressed_into_its_dent_again_and_again() -> None:
     """With e* = 0 and two links each contact begins as the last one ends. None of them is rigid."""
     tool = timed(2e-4, restitution=0.0).replace(wire_links=2, wire_damping_ratio=0.1)

@@ -257,9 +257,7 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
     each = system.sustained[number]
     force = ROUNDING * system.size * system.fastest**2 * system.chain.masses.sum()
     if isinstance(each, Compliant):
-        law = each.law
-        steepest = law.stiffness / min(1.0, law.restitution**2 or 1.0, law.compliance or 1.0)
-        force += steepest * GAP_ROUNDING * system.size
+        force += each.steepest * GAP_ROUNDING * system.size
     # The contact may change during an event, but the slip of the interval is that at its start.
     slip = each.slip
 

@@ -23,14 +23,17 @@ from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import first_event
 from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Event, Follow, events_of
+from bristle_sim.reference.forces import solve
 from bristle_sim.reference.log import Finished
-from bristle_sim.reference.state import State
+from bristle_sim.reference.state import Compliant, State
 from bristle_sim.reference.system import System
 from bristle_sim.settings import StopReason
 
 # Least angular velocity that scales the absolute tolerances, rad/s. Where nothing moves, a scale of
 # 0 would make the relative error 0/0.
 LEAST_RATE = 1e-300
+# Least relative tolerance that SciPy accepts: 100 times the spacing of floats at 1.
+LEAST_RELATIVE = 100.0 * math.ulp(1.0)
 
 
 @dataclass(slots=True)
@@ -141,7 +144,9 @@ class Run:
         """Return an integrator that starts at the present state.
 
         The absolute tolerance of each unknown is the relative tolerance times a bound of that
-        unknown.
+        unknown. On the springs of a contact, an error of an angle becomes an error of the angular
+        velocity by multiplication with the angular frequency on these springs. The tolerances of
+        angles are reduced where this product would exceed the tolerance of the angular velocity.
         """
         chain = self.system.chain
         size = self.system.size
@@ -150,19 +155,28 @@ class Run:
         rate = max(chain.speed, float(np.abs(self.state.rates).max()), fastest, LEAST_RATE)
         force = chain.masses.sum() * size * rate
         work = force * size * rate
+        instant = self.system.at(self.state)
+        frequency = rate
+        for each in sustained:
+            if isinstance(each, Compliant):
+                rows = instant.touch(each.point).rows
+                inverse_mass = float(np.trace(rows @ solve(instant.mass, rows.T)))
+                frequency = max(frequency, math.sqrt(each.steepest * inverse_mass))
         scale = [
-            np.ones(chain.links),
+            np.full(chain.links, rate / frequency),
             np.full(chain.links, rate),
             np.tile([force, force, work, work], len(sustained)),
         ]
         sums = [each.sums for each in sustained]
+        relative = np.full(2 * chain.links + 4 * len(sustained), self.tolerance)
+        relative[: chain.links] *= rate / frequency
         return DOP853(
             self._derivative,
             self.state.time,
             np.concatenate([self.state.angles, self.state.rates, *sums]),
             self.end,
             max_step=1.0 / fastest if fastest else np.inf,
-            rtol=self.tolerance,
+            rtol=np.maximum(relative, LEAST_RELATIVE),
             atol=self.tolerance * np.concatenate(scale),
         )
 

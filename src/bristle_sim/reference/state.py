@@ -83,6 +83,12 @@ class Compliant(Sustained):
         """Coulomb's coefficient of friction: that of restitution while the spring unloads."""
         return self.law.coefficient(loading=self.loading)
 
+    @property
+    def steepest(self) -> float:
+        """Largest stiffness of the contact's springs in any phase, N/m."""
+        law = self.law
+        return law.stiffness / min(1.0, law.restitution**2 or 1.0, law.compliance or 1.0)
+
     def acting(self, touch: Touch) -> Acting:
         """Return the contact with its kinematics and the forces of its springs."""
         return Acting(touch, self.friction, self.slip, self.force(touch.gap), self.rub(touch))
