@@ -21,7 +21,8 @@ modules below it in this list:
   sustained contacts, and the forces of rigid contacts.
 - ``extrapolation``: the integrator: engine steps, extrapolated to the step zero.
 - ``build``: the pymunk space of a mechanism, and the engine's steps.
-- ``solver``: joint and contact forces of several links, contact forces of a single link.
+- ``solver``: joint and contact forces of several links; ``link_velocity``: contact forces of a
+  single link.
 - ``pairs``: the geometry of a link and an obstacle that can touch.
 - ``mechanism``: chains of links.
 """

@@ -25,9 +25,10 @@ from typing import Any
 import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
+from bristle_sim.scene.link_velocity import LinkVelocity
 from bristle_sim.scene.mechanism import Mechanism, State, xy
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
-from bristle_sim.scene.solver import LinkVelocity, WireVelocities
+from bristle_sim.scene.solver import WireVelocities
 
 SHAPE_MARGIN = 0.02
 """Length by which the engine's shapes of obstacles are enlarged, as a fraction of the link's
@@ -39,12 +40,6 @@ LONGEST_WARM_RATIO = 1e3
 of the previous step, which it multiplies by this ratio. At a larger ratio their rounding error
 would be noticeable."""
 
-LONGEST_SINGLE_RATIO = 2.0
-"""Largest ratio of a step to the previous step where only one step of the new length is taken. The
-engine multiplies the impulse that it applies by the ratio s, but not the impulse that it stores,
-which becomes 1 - s times as large. Further steps of the same length correct the stored impulse.
-Without them, alternating short and long steps would make it grow without bound."""
-
 # number of links up to which a step counts once in ``work``; measured, the solver of the joints
 # takes 17, 21, 31 and 60 us for 8, 16, 32 and 64 links
 LINKS_OF_A_STEP = 32
@@ -54,7 +49,7 @@ LINKS_OF_A_STEP = 32
 class Effects:
     """Springs, damping, gravity and contacts of a scene, in engine units.
 
-    An effect is absent if its value is None, 0 or ().
+    An effect is absent if its value is 0 or ().
 
     Attributes:
         stiffness: stiffness of the torsion spring (the belt) between the hub and the first link of
@@ -66,7 +61,7 @@ class Effects:
             wire. The springs are unstressed if all links have the same angle.
     """
 
-    stiffness: float | None = None
+    stiffness: float = 0.0
     damping: float = 0.0
     gravity: float = 0.0
     pairs: tuple[ContactPair, ...] = ()
@@ -145,7 +140,7 @@ class Scene:
         if effects.gravity:
             space.gravity = (0.0, -effects.gravity)
         self.hub = hub = None
-        if mechanism.hub_radius or effects.stiffness is not None:
+        if mechanism.hub_radius or effects.stiffness:
             self.hub = hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
             hub.angular_velocity = mechanism.hub_speed
             space.add(hub)
@@ -153,10 +148,9 @@ class Scene:
         self._dampings = [(spring, spring.damping) for spring in springs if spring.damping]
         bodies = self.links if hub is None else [hub, *self.links]
         self.put = Placer(bodies)
-        self._kept = Placer(bodies)
         self._links = [link._body for link in self.links]
         hinges = effects.hinges or ((0.0, 0.0),) * (mechanism.wire_links - 1)
-        damping = [0.0 if effects.stiffness is None else effects.damping, *(d for _, d in hinges)]
+        damping = [effects.damping, *(d for _, d in hinges)]
         self.joint_solver: Any
         if mechanism.single_link:
             self.joint_solver = LinkVelocity(mechanism, damping, hub, *self.links)
@@ -236,7 +230,7 @@ class Scene:
         symmetric: bool = False,
         middle: list[list[float]] | None = None,
     ) -> list[float]:
-        """Take engine steps of equal length.
+        """Take engine steps of equal length from the state of the last call of ``place``.
 
         Args:
             length: length of a step.
@@ -253,9 +247,7 @@ class Scene:
         """
         self.steps += count
         self.work += count * math.ceil(len(self._links) / LINKS_OF_A_STEP)
-        if length > LONGEST_SINGLE_RATIO * self._last_length and (
-            count == 1 or length > LONGEST_WARM_RATIO * self._last_length
-        ):
+        if length > LONGEST_WARM_RATIO * self._last_length:
             self._forget_impulses(length)
         self._last_length = length
         if symmetric:
@@ -294,12 +286,9 @@ class Scene:
         """
         for joint in self.joints:
             joint.max_force = 0.0
-        # The first step still applies the stored impulses, so the bodies are placed again after it.
-        # The second step stores the right impulses of contacts.
-        for _ in range(2):
-            self._kept.keep()
-            self._engine_step(length)
-            self._kept(None)
+        # This step still applies the stored impulses, so the bodies are placed again after it.
+        self._engine_step(length)
+        self.put(None)
         for joint in self.joints:
             joint.max_force = math.inf
 
@@ -325,7 +314,7 @@ def _add_links(
             carrier = hub or space.static_body
             lag = wire * mechanism.pitch
             anchor = -1j * cmath.rect(mechanism.hub_radius, -lag)
-            if effects.stiffness is not None:
+            if effects.stiffness:
                 belt = (lag, effects.stiffness, effects.damping)
                 springs.append(pymunk.DampedRotarySpring(carrier, body, *belt))
         elif effects.hinges:
@@ -340,26 +329,3 @@ def _add_links(
         anchor = link.corners[-1] - link.centre
     space.add(*springs)
     return bodies, joints, springs
-
-
-MOST_DAMPING = 8.0
-"""Longest interval, in time constants of the engine's damping: two time constants for each of the
-four steps of the coarsest repetition. In a far longer step damping reduces the angular velocity to
-zero, whatever the length of the step. All repetitions would then agree that the belt does not move,
-and the error estimate would miss the error."""
-
-
-def damped_interval(scene: Scene) -> float:
-    """Return the longest interval in which the engine's steps resolve the damping.
-
-    It is infinite without damping, and otherwise ``MOST_DAMPING`` time constants. They are those of
-    links without joints, because the engine damps the links before the joints correct their
-    velocities.
-    """
-    links = scene.mechanism.links
-    belt = scene.effects.damping / links[0].inertia
-    joints = zip(scene.effects.hinges, links, links[1:], strict=False)
-    rate = max(
-        [belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)]
-    )
-    return MOST_DAMPING / rate if rate else math.inf

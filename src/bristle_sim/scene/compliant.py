@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from bristle_sim.scene.build import Scene, damped_interval
-from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, damped_interval
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, impact_at
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair

@@ -34,6 +34,12 @@ FEW_REPETITIONS = 1e-6
 repetitions. At a smaller tolerance, three repetitions of steps that are not symmetric hardly ever
 suffice, and an estimate after the third would take 3 % of the time."""
 
+MOST_DAMPING = 8.0
+"""Longest interval, in time constants of the engine's damping: two time constants for each of the
+four steps of the coarsest repetition. In a far longer step damping reduces the angular velocity to
+zero, whatever the length of the step. All repetitions would then agree that the belt does not move,
+and the error estimate would miss the error."""
+
 # Least ratio of an error estimate to the estimate of the previous repetition, with damping. A
 # smaller estimate, which may be too small by chance, is raised to this ratio.
 LEAST_GAIN = 0.1
@@ -312,3 +318,19 @@ class Extrapolation:
             length = max(length, self.length)
         self.length = length
         return accurate
+
+
+def damped_interval(scene: Scene) -> float:
+    """Return the longest interval in which the engine's steps resolve the damping.
+
+    It is infinite without damping, and otherwise ``MOST_DAMPING`` time constants. They are those of
+    links without joints, because the engine damps the links before the joints correct their
+    velocities.
+    """
+    links = scene.mechanism.links
+    belt = scene.effects.damping / links[0].inertia
+    joints = zip(scene.effects.hinges, links, links[1:], strict=False)
+    rate = max(
+        [belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)]
+    )
+    return MOST_DAMPING / rate if rate else math.inf

@@ -41,7 +41,6 @@ zero is located. The estimate is linear in a longer interval."""
 # an earlier extreme is ignored.
 EARLIEST_EXTREME = 0.01
 
-
 # Rounding error of the time, divided by (1 + time at the interval's end). An event within this time
 # after an interval's start counts as at the start.
 ONE_INSTANT = 1e-15
@@ -56,8 +55,7 @@ class Interval:
         integrate_to: function that returns the result at a time after the start.
         start: state at the start.
         length: duration of the interval.
-        instant: rounding error of the time; an instant within it after the start counts as the
-            start.
+        instant: time after the start within which an event counts as at the start.
     """
 
     __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")
@@ -242,8 +240,7 @@ def settle(
         system: the run.
         value: the function.
         interval: the interval.
-        first: earliest time of the zero, from the interval's start.
-        last: latest time of the zero, from the interval's start.
+        first, last: earliest and latest time of the zero, from the interval's start.
         tolerance: largest magnitude of the function that counts as zero.
     """
 
@@ -318,10 +315,8 @@ def locate(
 
     Args:
         value: the function.
-        left: the earlier time.
-        right: the later time.
-        at_left: value of the function at ``left``.
-        at_right: value of the function at ``right``.
+        left, right: the earlier and the later time.
+        at_left, at_right: values of the function at these times.
         tolerance: largest magnitude of the function that counts as zero.
 
     N. Anderson, A. Bjorck, *A new high order method of regula falsi type*, BIT 13 (1973) 253-264.

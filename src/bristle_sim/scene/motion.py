@@ -105,7 +105,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         time, angles, rates = at.state
         pose = mechanism.poses(at.state)[link]
         arm = pose.to_centre
-        moment = (effects.stiffness or 0.0) * (mechanism.root_angle(time, link) - angles[link])
+        moment = effects.stiffness * (mechanism.root_angle(time, link) - angles[link])
         moment += effects.damping * (hub_speed - rates[link])
         carried = hub_speed**2 * cross(arm, pose.joint) - effects.gravity * arm.real
         own = mechanism.links[link]

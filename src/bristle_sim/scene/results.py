@@ -167,7 +167,7 @@ def energies(
     time, angles, rates = motion
     hub = mechanism.hub_start + mechanism.hub_speed * time
     kinetic = np.zeros(len(time))
-    potential = 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
+    potential = 0.5 * effects.stiffness * (angles[:, 0] - hub) ** 2
     poses = mechanism.poses_at(time, angles.T, rates.T, np.exp)
     for link, pose, rate in zip(mechanism.links, poses, rates.T, strict=True):
         velocity = pose.velocity + 1j * rate * pose.to_centre
@@ -196,13 +196,14 @@ def contact_in_si(record: T, units: Units, **changes: Any) -> T:
 
     ``changes`` replace attributes of the record; they are in engine units too.
     """
-    for field in dataclasses.fields(record):
-        value = changes.get(field.name, getattr(record, field.name))
-        if isinstance(value, ContactHistory):
-            changes[field.name] = contact_in_si(value, units)
-        elif field.name in UNIT_OF and value is not None:
-            size = getattr(units, UNIT_OF[field.name])
-            changes[field.name] = (
+    for name, unit in UNIT_OF.items():
+        value = changes.get(name, getattr(record, name, None))
+        if value is not None:
+            size = getattr(units, unit)
+            changes[name] = (
                 tuple([each * size for each in value]) if isinstance(value, tuple) else value * size
             )
+    history = getattr(record, "history", None)
+    if history is not None:
+        changes["history"] = contact_in_si(history, units)
     return dataclasses.replace(record, **changes)

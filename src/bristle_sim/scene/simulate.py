@@ -19,8 +19,13 @@ from bristle_sim.declared import Declared
 from bristle_sim.fields import quantity
 from bristle_sim.parameters import Tool
 from bristle_sim.parameters.tool import checked_tool
-from bristle_sim.scene.build import MOST_DAMPING, Scene, damped_interval
-from bristle_sim.scene.extrapolation import LEAST_NOISE, Extrapolation
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.extrapolation import (
+    LEAST_NOISE,
+    MOST_DAMPING,
+    Extrapolation,
+    damped_interval,
+)
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run
@@ -309,7 +314,7 @@ def motion_scale(scene: Scene, start: State) -> float:
         return 1.0
     link = mechanism.links[0]
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
-    stiffness = (effects.stiffness or 0.0) + link.mass * abs(link.centre) * field
+    stiffness = effects.stiffness + link.mass * abs(link.centre) * field
     frequency = math.sqrt(stiffness / link.inertia_about_joint)
     swing = abs(start.angles[0] - mechanism.root_angle(start.time)) * frequency
     return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0

@@ -12,9 +12,9 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface, Tool
-from bristle_sim.scene.build import Effects, Scene, damped_interval
+from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.extrapolation import Extrapolation, damped_interval
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair

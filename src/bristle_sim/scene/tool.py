@@ -131,9 +131,7 @@ def build_tool(
             mechanism, bristle.wire_diameter / 2.0 / units.length, row.friction, row.restitution
         )
     effects = Effects(
-        stiffness=tool.belt.stiffness / units.energy
-        if tool.belt.stiffness or tool.belt.damping_ratio
-        else None,
+        stiffness=tool.belt.stiffness / units.energy,
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity * units.time / units.velocity,
         pairs=tuple(pairs),
