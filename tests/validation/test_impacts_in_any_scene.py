@@ -25,7 +25,8 @@ import pytest
 
 from bristle_sim.contact_space.collision_rule import LocatedImpact
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
-from bristle_sim.contact_space.joints import close_joints, joined
+from bristle_sim.contact_space.joints import joined
+from bristle_sim.contact_space.projection import close_joints
 
 IMPACTS = int(os.environ.get("BRISTLE_IMPACTS", "200"))
 

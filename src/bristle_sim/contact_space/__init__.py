@@ -4,8 +4,8 @@ EnergeticContact.
 The package needs NumPy, SciPy, pymunk and the impact law; it needs nothing of the bristle tool. Its
 modules in reading order:
 
-- ``joints``: velocity constraints J V = b of pymunk's joints, and the nearest velocities that obey
-  them.
+- ``joints``: velocity constraints J V = b of pymunk's joints.
+- ``projection``: the nearest velocities that obey joints.
 - ``impulse``: the inverse mass matrix at a contact, and the change of all velocities by an impulse.
 - ``collision_rule``: two collision types with their coefficients and law; the record of an impact.
 - ``touching``: the motion of bodies in the last step, and the contact points at the instant of

@@ -27,17 +27,19 @@ from pymunk._chipmunk_cffi import lib
 
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.joints import (
-    DEPENDENT,
     Connected,
     Entry,
     JointRow,
     Vector,
     joint_rows,
-    of_length_one,
     relative_rows,
     scaled_columns,
+)
+from bristle_sim.contact_space.projection import (
+    DEPENDENT,
+    of_length_one,
+    orthogonal_part,
     set_in_motion,
-    span,
 )
 
 # Ratio of the motion that an impulse causes with joints to the motion that it causes without them,
@@ -128,12 +130,7 @@ def contact_space(
     contact, velocity = relative_motion(ends, point, normal, surface_velocity)
     columns, scale = scaled_columns([*contact, *[row.entries for row in rows]], bodies)
     touch = columns[:, :2]
-    rigid = span(columns[:, 2:])
-    free = touch
-    # Two projections are enough: the second removes the rounding error of the first (Kahan and
-    # Parlett).
-    for _ in range(2):
-        free = free - rigid @ (rigid.T @ free)
+    free = orthogonal_part(touch, columns[:, 2:])
     sizes = np.sqrt((touch**2).sum(axis=0))
     normal_part, slip = free.T
     # A point whose tangential motion is rounding error cannot slip: impulses move it as in stick.

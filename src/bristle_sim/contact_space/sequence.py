@@ -14,7 +14,8 @@ import pymunk
 
 from bristle_sim.contact_space.collision_rule import LocatedImpact
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
-from bristle_sim.contact_space.joints import Connected, close_joints, joined
+from bristle_sim.contact_space.joints import Connected, joined
+from bristle_sim.contact_space.projection import close_joints
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.simultaneous import resolve_at_once
 from bristle_sim.contact_space.touching import APPROACH_ROUNDING, Collision, TouchingPoint

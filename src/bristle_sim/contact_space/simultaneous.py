@@ -28,11 +28,11 @@ from scipy.sparse import csr_array
 
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.impulse import relative_motion
-from bristle_sim.contact_space.joints import (
-    Connected,
+from bristle_sim.contact_space.joints import Connected, scaled_columns
+from bristle_sim.contact_space.projection import (
     close_joints,
-    joint_basis,
-    scaled_columns,
+    joint_columns,
+    orthogonal_part,
     set_in_motion,
 )
 from bristle_sim.contact_space.touching import StepMotion, TouchingPoint
@@ -71,8 +71,7 @@ def resolve_at_once(
     ]
     before = np.array([velocity for _, velocity in seen])
     columns, scale = scaled_columns([row for rows, _ in seen for row in rows], bodies)
-    rigid, _ = joint_basis(bodies, joints)
-    contacts = csr_array(columns - rigid @ (rigid.T @ columns))
+    contacts = csr_array(orthogonal_part(columns, joint_columns(bodies, joints)[0]))
     transposed = contacts.T
     size = abs(transposed) @ abs(contacts).sum(axis=1)
     step = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0).reshape(-1, 2)

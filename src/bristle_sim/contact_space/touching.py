@@ -25,7 +25,8 @@ from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.collision_rule import CollisionRule, LocatedImpact
-from bristle_sim.contact_space.joints import Connected, allowed_part, set_in_motion, world
+from bristle_sim.contact_space.joints import Connected, world
+from bristle_sim.contact_space.projection import allowed_part, set_in_motion
 from bristle_sim.theory.impact import Impact
 
 # Approach speed, as a fraction of the bodies' speed at a point, below which it is rounding error.
