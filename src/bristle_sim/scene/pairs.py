@@ -18,7 +18,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector
+from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector, cross
 
 # Largest difference of the gaps of two straight segments of a link that both count as touching, as
 # a fraction of the link's length.
@@ -31,9 +31,7 @@ between the bar's centre and the wire's centre line, a rounding error of 1e-16 t
 
 
 class ClosestApproach(NamedTuple):
-    """The contact point of a link and an obstacle, with the gap there; engine units.
-
-    The contact point is the point of the link that is closest to the obstacle.
+    """The contact point, the point of a link closest to an obstacle, with its gap; engine units.
 
     Attributes:
         gap: distance of link and obstacle; negative if they overlap.
@@ -109,10 +107,7 @@ class FixedPair(ABC):
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the link; the contact point is on the wire's surface.
-
-        If two straight segments touch, the closest approach is that of the segment that approaches
-        faster.
+        """Return the closest approach of the link, of the faster one of two segments that touch.
 
         Args:
             poses: positions and joint velocities of all links.
@@ -169,13 +164,7 @@ class BarPair(FixedPair):
     restitution_friction = SAME_FRICTION
 
     def __post_init__(self) -> None:
-        """Check that the bar is thick enough for double precision.
-
-        Rounding errors could put the wire on the other side of a thinner bar.
-
-        Raises:
-            ValueError: if the bar is too thin.
-        """
+        """Refuse a bar so thin that rounding errors could put the wire on its other side."""
         reach = self.radius + self.wire_radius
         if not reach >= LEAST_REACH:
             raise ValueError(
@@ -205,9 +194,9 @@ class BarPair(FixedPair):
     def ends_passed(self, pose: Pose) -> list[float]:
         """Return how far the bar's centre is past both ends of each segment, along the segment.
 
-        There are two numbers for each straight segment of the link, from the joint to the tip: the
-        distance past the segment's start, and the distance past its end, in lengths of the segment.
-        When a number is 0, the contact point passes a joint, a knee or the tip.
+        For each straight segment, from the joint to the tip, these are the distances past its start
+        and past its end, in lengths of the segment. Where one is 0, the contact point passes a
+        joint, a knee or the tip.
         """
         lines = self.lines(pose.corners)
         feet = [((self.centre - start) / (end - start)).real for start, end in lines]
@@ -216,18 +205,15 @@ class BarPair(FixedPair):
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the smallest gap between the bar and the link's segments that do not touch yet.
 
-        ``piece`` is the index of the straight segment that touches. A segment whose closest point
-        is its corner towards that segment is left out. If no segment remains, the gap is infinite.
+        Segment ``piece`` touches. A segment whose closest point is its corner towards that segment
+        is left out. If no segment remains, the gap is infinite.
         """
-        gaps = [math.inf]
+        lines = self.lines(pose.corners)
         ends = self.ends_passed(pose)
-        for index, line in enumerate(self.lines(pose.corners)):
-            at_shared_corner = (
-                ends[2 * index + 1] >= 0.0 if index < piece else ends[2 * index] <= 0.0
-            )
-            if index != piece and not at_shared_corner:
-                gaps.append(self.touch(*line)[0])
-        return min(gaps)
+        inner = [line for line, end in zip(lines[:piece], ends[1::2], strict=False) if end < 0.0]
+        outer = zip(lines[piece + 1 :], ends[2 * piece + 2 :: 2], strict=True)
+        inner += [line for line, start in outer if start > 0.0]
+        return min((self.touch(*line)[0] for line in inner), default=math.inf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,14 +279,7 @@ class WirePair:
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the two segments.
-
-        Args:
-            poses: positions and joint velocities of all links.
-            rates: angular velocities of all links.
-            piece: index of a segment's end; the closest approach of this end to the other segment
-                is then returned.
-        """
+        """Return the closest approach of the two segments; ``piece`` selects one of the four ends."""
         pose = poses[self.link]
         partner = poses[self.partner]
         own = (pose.corners[self.own_piece], pose.corners[self.own_piece + 1])
@@ -317,21 +296,18 @@ class WirePair:
         partner_arm = point - partner.joint
         velocity = pose.velocity + 1j * rates[self.link] * arm
         velocity -= partner.velocity + 1j * rates[self.partner] * partner_arm
-        crossed = _on_two_sides(own, other) and _on_two_sides(other, own)
-        gap = (-distance if crossed else distance) - 2.0 * self.wire_radius + self.dent
+        both = ((own, other), (other, own))
+        if all(_side(line, start) * _side(line, end) < 0.0 for line, (start, end) in both):
+            distance = -distance  # the centre lines cross
+        gap = distance - 2.0 * self.wire_radius + self.dent
         velocity *= normal.conjugate()
         components = (velocity.real, -velocity.imag)
         return ClosestApproach(gap, arm, normal, components, piece, partner_arm)
 
 
-def _on_two_sides(line: Line, points: Line) -> bool:
-    """Return whether two points lie on different sides of an infinite line.
-
-    ``line`` holds two points of the line.
-    """
-    start, end = line
-    first, second = (((point - start) / (end - start)).imag for point in points)
-    return first * second < 0.0
+def _side(line: Line, point: complex) -> float:
+    """Return a number whose sign is that of the side of an infinite line on which a point lies."""
+    return cross(line[1] - line[0], point - line[0])
 
 
 ContactPair = BarPair | WorkpartPair | WirePair
@@ -347,21 +323,18 @@ def contact_rows(
     pairs: Sequence[ContactPair],
     touches: Sequence[ClosestApproach],
 ) -> tuple[Array, Array]:
-    """Return the Jacobians of the contact points' relative velocities.
+    """Return the Jacobians of the contact points' normal and tangential relative velocities.
 
-    An entry is the lever, about a link's joint, of the contact's normal n or of its tangent. With
-    the arm r the lever of the normal is Re(i conj(n) r), that of the tangent -Im(i conj(n) r). For
-    the touching link r is the vector from its joint to the contact point. For a link nearer the
-    root r is the vector from its joint to its tip.
+    Each has the shape (pairs, links). An entry is the lever, about a link's joint, of the contact's
+    normal n or of its tangent. With the arm r the lever of the normal is Re(i conj(n) r), that of
+    the tangent -Im(i conj(n) r). For the touching link r is the vector from its joint to the
+    contact point. For a link nearer the root r is the vector from its joint to its tip.
 
     Args:
         mechanism: the mechanism.
         turn: e^{i angle} of each link.
         pairs: the pairs in contact.
         touches: closest approach of each pair.
-
-    Returns:
-        The Jacobians of the normal and of the tangential velocities, each of shape (pairs, links).
     """
     rows = np.zeros((len(pairs), len(turn)), complex)
     for row, pair, touch in zip(rows, pairs, touches, strict=True):
