@@ -57,15 +57,14 @@ def evaluate_in_turn(function: Function, values: Mapping[str, Any]) -> dict[str,
         Arrays of the results by name, NaN where they are missing. The array ``failure`` has the
             reasons.
     """
-    columns = np.broadcast_arrays(*values.values())
-    shape = columns[0].shape
-    found: dict[str, NDArray[Any]] = {FAILURE: np.full(shape, "", dtype=object)}
-    for number, point in enumerate(zip(*(each.flat for each in columns), strict=True)):
+    points = np.broadcast(*values.values())
+    found: dict[str, NDArray[Any]] = {FAILURE: np.full(points.shape, "", dtype=object)}
+    for number, point in enumerate(points):
         arguments = dict(zip(values, map(float, point), strict=True))
         results, found[FAILURE].flat[number] = outcome_of(function, arguments)
         for name, value in results.items():
-            found.setdefault(name, np.full(shape, math.nan)).flat[number] = value
-        logging.getLogger(__name__).info("%d of %d points finished", number + 1, math.prod(shape))
+            found.setdefault(name, np.full(points.shape, math.nan)).flat[number] = value
+        logging.getLogger(__name__).info("%d of %d points finished", number + 1, points.size)
     return found
 
 

@@ -81,9 +81,8 @@ class Results:
         lost = np.zeros_like(missing)
         for name, array in self.arrays.items():
             for corner in np.ndindex(array.cdata_shape):
-                region = tuple(
-                    slice(i * n, (i + 1) * n) for i, n in zip(corner, array.chunks, strict=True)
-                )
+                starts = np.multiply(corner, array.chunks)
+                region = tuple(map(slice, starts, starts + array.chunks))
                 points = region[:axes]
                 try:
                     values = np.asarray(array[region])

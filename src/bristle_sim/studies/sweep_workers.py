@@ -64,7 +64,7 @@ def evaluated(function: Function, points: Iterator[Point], workers: Any) -> Outc
             words = f"function = {name_of(function)}: must be picklable, to be sent to the workers"
             raise ValueError(f"{words} ({_reason(error)})") from error
     executor = _Processes(number) if own else client_of(workers) or workers
-    batches = _Batches(executor, getattr(workers, "_kwargs", {}), sent, points)
+    batches = _Batches(executor, sent, points)
     try:
         yield from batches.outcomes()
     finally:
@@ -102,22 +102,19 @@ def client_of(workers: Any) -> Any:
 class _Batches:
     """Batches of points that are sent to the workers.
 
-    A batch is in progress, left over because its worker ran out of time, or suspected of having
-    killed its worker. Batches are sent one at a time until a point has returned results. The first
-    results fix the shapes, which therefore do not depend on which worker finishes first.
+    A batch is in progress, or suspected of having killed its worker. Batches are sent one at a time
+    until a point has returned results. The first results fix the shapes, which therefore do not
+    depend on which worker finishes first.
     """
 
-    def __init__(
-        self, executor: Any, options: Any, function: Function | bytes, points: Iterator[Point]
-    ) -> None:
+    def __init__(self, executor: Any, function: Function | bytes, points: Iterator[Point]) -> None:
         self.executor = executor
-        self.options = {**options, "pure": False} if client_of(executor) else {}
         self.function = function
         self.points = points
+        self.options = {"pure": False} if client_of(executor) else {}
         self.under_way = dict[Any, list[Point]]()
         self.finished = queue.SimpleQueue[Any]()
-        self.left_over = deque[list[Point]]()
-        self.suspects = deque[list[Point]]()
+        self.suspects = deque[Point]()
         self.losses = Counter[int]()
         self.size = 1  # of the next batch; larger as soon as a point has returned results
 
@@ -125,9 +122,7 @@ class _Batches:
         """Yield points with their outcomes until all points are finished."""
         while True:
             while batch := self._next():
-                future = self._started(batch)
-                self.under_way[future] = batch
-                future.add_done_callback(self.finished.put)
+                self._send(batch)
             if not self.under_way:
                 return
             future = self._next_finished()
@@ -138,22 +133,21 @@ class _Batches:
                 yield from self._lost(batch, error)
                 continue
             yield from zip(batch, outcomes, strict=False)
-            if len(outcomes) < len(batch):
-                self.left_over.append(batch[len(outcomes) :])
+            if len(outcomes) < len(batch):  # the worker ran out of time
+                self._send(batch[len(outcomes) :])
             if self.size > 1 or any(values for values, _ in outcomes):
                 self.size = min(2 * len(outcomes), LARGEST_BATCH)
 
     def _next(self) -> list[Point]:
         """Return the next batch to send; it is empty if no batch can be sent yet.
 
-        A suspected batch is sent only while no other batch is in progress.
+        A suspected point is sent only while no other batch is in progress.
         """
-        if self.suspects:
-            return [] if self.under_way else self.suspects.popleft()
-        if self.under_way and (self.size == 1 or len(self.under_way) >= WAITING * self._workers()):
+        most = 1 if self.size == 1 or self.suspects else WAITING * self._workers()
+        if self.under_way and len(self.under_way) >= most:
             return []
-        if self.left_over:
-            return self.left_over.popleft()
+        if self.suspects:
+            return [self.suspects.popleft()]
         return list(itertools.islice(self.points, self.size))
 
     def _next_finished(self) -> Any:
@@ -178,19 +172,19 @@ class _Batches:
             return sum(self.executor.ncores().values())
         return getattr(self.executor, "_max_workers", None) or os.cpu_count() or 1
 
-    def _started(self, batch: list[Point]) -> Any:
-        """Send a batch to the workers, and return its future.
-
-        If the workers refuse the batch, the future raises the error.
-        """
+    def _send(self, batch: list[Point]) -> None:
+        """Send a batch to the workers. If they refuse it, its future raises the error."""
         try:
-            return self.executor.submit(
-                evaluate_points, self.function, pickle.dumps(batch), **self.options
-            )
+            future = self._submitted(batch)
         except Exception as error:
-            refused = Future[Any]()
-            refused.set_exception(error)
-            return refused
+            future = Future[Any]()
+            future.set_exception(error)
+        self.under_way[future] = batch
+        future.add_done_callback(self.finished.put)
+
+    def _submitted(self, batch: list[Point]) -> Any:
+        call = (evaluate_points, self.function, pickle.dumps(batch))
+        return self.executor.submit(*call, **self.options)
 
     def _lost(self, batch: list[Point], error: Exception) -> Iterator[tuple[Point, Outcome]]:
         """Handle a batch whose worker was lost.
@@ -201,16 +195,13 @@ class _Batches:
         Raises:
             RuntimeError: if the workers cannot evaluate an empty batch either.
         """
-        if len(batch) > 1:
-            self.suspects.extend([point] for point in batch)
-            return
         number, arguments = batch[0]
-        self.losses[number] += 1
+        self.losses[number] += len(batch) == 1
         if self.losses[number] < ATTEMPTS:
-            self.suspects.appendleft(batch)
+            self.suspects.extendleft(batch[::-1])
             return
         try:
-            self._started([]).result()
+            self._submitted([]).result()
         except Exception as gone:
             words = f"workers: lost at the point {arguments}, and none answers any more ({_reason(gone)})"
             advice = (
