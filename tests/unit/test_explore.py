@@ -254,8 +254,8 @@ def test_a_newer_run_of_the_page_stops_the_older_one(monkeypatch: pytest.MonkeyP
             "The bristle strikes at "
         )
         assert older.result() == {"error": "stopped by a newer run"}
-    assert ended.alive  # a stopped run costs no process
-    assert all(each.alive for each in workers._idle)
+    assert ended.rest()  # a stopped run costs no process
+    assert all(each.rest() for each in workers._idle)
 
 
 def test_a_run_that_takes_too_long_or_dies_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:

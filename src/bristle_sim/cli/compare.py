@@ -40,12 +40,12 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     parser.add_argument("second", metavar="B.toml", help="another tool")
     add_options(parser, "report", "plot", "csv")
     options = parser.parse_args(arguments)
-    targets = targets_of(options)
     names = [Path(options.first).stem, Path(options.second).stem]
     tools = [
         pass_of.values_of(pass_of.assignments_from(path, name)[0])
         for name, path in (("A.toml", options.first), ("B.toml", options.second))
     ]
+    targets = targets_of(options, pass_of, tools[0])
     reports = [pass_of.run(**pass_of.built(values)) for values in tools]
     changed = _changes(pass_of, *tools)
     seconds = {each.name: each for each in reports[1].quantities}

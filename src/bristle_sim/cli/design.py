@@ -49,9 +49,9 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     parser.add_argument("--maximize", metavar="QUANTITY", default="")
     add_options(parser, "set", "parameters", "write-tool", "json", "plot")
     options = parser.parse_args(arguments)
-    targets = targets_of(options)
     given = [] if options.parameters is None else pass_of.assignments_from(options.parameters)[0]
     values = pass_of.values_of([*given, *options.set])
+    targets = targets_of(options, pass_of, values)
     found = design(
         build_parameters(Tool, values),
         want=_pairs("--want", options.want),

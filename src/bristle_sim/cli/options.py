@@ -6,7 +6,7 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -71,16 +71,14 @@ def deliver(
     print_line(answer)
 
 
-def targets_of(
-    options: argparse.Namespace, scenario: Scenario | None = None, values: Values | None = None
-) -> dict[str, Path]:
+def targets_of(options: argparse.Namespace, scenario: Scenario, values: Values) -> dict[str, Path]:
     """Return the output files that the options name, by option, after all checks.
 
     Each file must be writable, and no file may be named twice, except a device such as /dev/null.
 
     Args:
         options: the parsed options. An option that was not given is absent or None.
-        scenario: the scenario that is run; None for a command.
+        scenario: the scenario that is run.
         values: values of the scenario's parameters, by key.
 
     Raises:
@@ -100,14 +98,10 @@ def targets_of(
     if given.get("json") == given.get("csv") == "-":
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
     named = {"--parameters": given.get("parameters")}
-    formats = list[str]()
-    if scenario is not None and values is not None:
-        formats += scenario.formats
-        files = [key for key, declared in scenario.keys().items() if declared.unit == "file"]
-        named |= {key: values[key] for key in files}
-    several = scenario is not None and scenario.plots is not None
+    files = [key for key, declared in scenario.keys().items() if declared.unit == "file"]
+    named |= {key: values[key] for key in files}
     found = {
-        name: _checked(name, given[name], formats, several=several)
+        name: _checked(name, given[name], scenario)
         for name in SUFFIXES
         if name in given and not (given[name] == "-" and name in ON_STANDARD_OUTPUT)
     }
@@ -123,22 +117,22 @@ def targets_of(
     return found
 
 
-def _checked(name: str, path: str, formats: Sequence[str], *, several: bool) -> Path:
+def _checked(name: str, path: str, scenario: Scenario) -> Path:
     """Return the path of an option's file after a check that the file can be written.
 
     Args:
         name: name of the option.
         path: typed path.
-        formats: suffixes that ``--csv`` accepts besides ``.csv``.
-        several: whether ``--plot`` draws several figures. They need a folder or a PDF.
+        scenario: the scenario that is run. ``--csv`` accepts its formats besides ``.csv``. If
+            ``--plot`` draws several figures, they need a folder or a PDF.
     """
     suffixes = SUFFIXES[name]
     suffix = Path(path).suffix.lower()
-    folder = several and name == "plot" and suffix != ".pdf"
+    folder = scenario.plots is not None and name == "plot" and suffix != ".pdf"
     if folder and suffix in suffixes:
         raise ValueError(f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf")
     if name == "csv":
-        suffixes = () if is_special(Path(path)) else (*suffixes, *formats)
+        suffixes = () if is_special(Path(path)) else (*suffixes, *scenario.formats)
     return checked_target(path, suffixes, option=f"--{name}", folder=folder)
 
 

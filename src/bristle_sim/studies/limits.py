@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.ensemble import ensemble
 from bristle_sim.studies.many_passes import SCENE, checked_range, scene_pass
 from bristle_sim.units import shown
@@ -108,3 +108,33 @@ def limits(
         own = tuple(scene_pass(tool, SCENE, {key: float(each)})[0] for each in beside)
         found.append(Change(at, *pair, confirmed=own == pair))
     return tuple(found)
+
+
+def limits_in_words(
+    tool: Tool, key: str, ends: Any, accuracy: float = 1e-8
+) -> tuple[str, tuple[Change, ...]]:
+    """Return a sentence on the changes of the outcome between two values of a parameter.
+
+    Args:
+        tool: the tool that gives the values of all other parameters.
+        key: name of the parameter.
+        ends: lower and upper bound of its range, or a text ``FROM:TO``.
+        accuracy: relative accuracy of the passes.
+
+    Returns:
+        The sentence.
+        The changes, in ascending order.
+    """
+    between: dict[str, Any] = {key: checked_range(tool, key, ends)}
+    changes = limits(tool, accuracy=accuracy, **between)
+    declared = KEYS[key]
+    low, high = map(declared.displayed, between[key])
+    places = [
+        f"at {declared.displayed(each.at)} (below: {each.below}, above: {each.above})"
+        for each in changes
+    ]
+    doubtful = [declared.displayed(each.at) for each in changes if not each.confirmed]
+    scene = f"does not confirm {', '.join(doubtful)}" if doubtful else "agrees on both sides"
+    words = f"changes {', '.join(places)}; the time-domain simulation {scene}"
+    words = words if places else "does not change"
+    return f"For {key} from {low} to {high} the outcome {words}.", changes

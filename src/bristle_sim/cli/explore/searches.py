@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.cli.limits import limits_in_words
 from bristle_sim.cli.scenario import Scenario, build_parameters
 from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
@@ -24,8 +23,8 @@ from bristle_sim.readable import amount
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import centre_of, radial_place, strikes_of
 from bristle_sim.studies.design import design
-from bristle_sim.studies.limits import limits
-from bristle_sim.studies.many_passes import OUTCOME, checked_range, pass_quantities
+from bristle_sim.studies.limits import limits_in_words
+from bristle_sim.studies.many_passes import OUTCOME, pass_quantities
 from bristle_sim.studies.surface import surface
 from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import QUANTITIES
@@ -94,11 +93,7 @@ def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
     """
     tool = build_parameters(Tool, pass_of.values_of(assignments))
     key, *ends = json.loads(on)["x"]
-    low, high = checked_range(tool, key, ends)
-    between: dict[str, Any] = {key: (low, high)}
-    found = limits(tool, accuracy=SETTINGS.accuracy, **between)
-    declared: Any = pass_of.keys()[key]
-    return {"answer": limits_in_words(declared, low, high, found)}
+    return {"answer": limits_in_words(tool, key, ends, SETTINGS.accuracy)[0]}
 
 
 def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:

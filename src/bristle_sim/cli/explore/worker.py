@@ -6,8 +6,8 @@ Linear algebra runs in one thread in each process. The systems of equations of a
 rows; several threads, which wait for each other, made a run take three times as long while a map
 was computed.
 
-Server and process exchange pickled objects. The process reads computations, and the number of a
-computation to stop it, from its standard input. It writes its progress, a float, and its answer to
+Server and process exchange pickled objects. The process reads computations, and requests to
+stop the present one, from its standard input. It writes its progress, a float, and its answer to
 its standard output. It ends when its input ends, and therefore with the server, however the server
 ends. It does not import the program that started the server, as a process of multiprocessing would.
 """
@@ -72,7 +72,7 @@ class Worker:
         """Start the process, which then imports the modules that it needs."""
         self.progress = 0.0
         self.reason = ""
-        self._number = 0  # odd during a computation, of which it is the number
+        self._timers: list[threading.Timer] = []
         self._process: Any = subprocess.Popen(
             [sys.executable, "-c", f"from {__name__} import work; work()"],
             stdin=subprocess.PIPE,
@@ -85,59 +85,50 @@ class Worker:
         """Let the process do a computation, and return its result.
 
         If the input was refused or the process ended, the entry ``error`` of the result states the
-        reason.
+        reason. :meth:`rest` must follow.
 
         Args:
             kind: kind of computation, a key of ``KINDS``.
             arguments: arguments of the function that computes.
         """
         late = f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"
-        timer = threading.Timer(TIME_LIMIT, self._kill, [late])
-        timer.start()
+        self._end_after(TIME_LIMIT, late)
         self.progress = 0.0
-        self._number += 1
         try:
-            self._send((self._number, kind, arguments))
+            self._send((kind, arguments))
             while isinstance(found := pickle.load(self._process.stdout), float):
                 self.progress = found
         except (EOFError, OSError, pickle.UnpicklingError):
             words = f"the process that computed this ended with status {self._process.wait()}; try other values"
             return {"error": self.reason or words}
-        finally:
-            timer.cancel()
-            self._number += 1
         return dict(found)
 
-    @property
-    def alive(self) -> bool:
-        """Whether the process still runs."""
-        return self._process.poll() is None
-
     def stop(self) -> None:
-        """Stop the present computation.
-
-        If the computation has not stopped after GRACE seconds, the process is ended.
-        """
-        number = self._number
+        """Stop the present computation; after GRACE seconds without :meth:`rest` end the process."""
         with contextlib.suppress(OSError):  # the process has ended
-            self._send(number)
+            self._send(None)
+        self._end_after(GRACE, STOPPED)
 
-        def end() -> None:
-            """End the process if the computation to be stopped is still under way."""
-            if number == self._number:
-                self._kill(STOPPED)
-
-        timer = threading.Timer(GRACE, end)
-        timer.daemon = True
-        timer.start()
+    def rest(self) -> bool:
+        """Wait for the next computation, and return whether the process still runs."""
+        while self._timers:
+            self._timers.pop().cancel()
+        return self._process.poll() is None
 
     def _send(self, message: Any) -> None:
         self._process.stdin.write(pickle.dumps(message))
         self._process.stdin.flush()
 
-    def _kill(self, reason: str) -> None:
-        self.reason = reason
-        self._process.kill()
+    def _end_after(self, seconds: float, reason: str) -> None:
+        def end() -> None:
+            """End the process, which the running computation then reports."""
+            self.reason = reason
+            self._process.kill()
+
+        timer = threading.Timer(seconds, end)
+        timer.daemon = True
+        timer.start()
+        self._timers.append(timer)
 
 
 def _end(process: Any) -> None:
@@ -152,7 +143,7 @@ class Workers:
         """Begin without processes; the first request starts one."""
         self._idle: list[Worker] = []
         self._running: dict[str, Worker] = {}
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._free = threading.BoundedSemaphore(MOST_RUNNING)
 
     def answer(self, page: str, kind: str, *arguments: Any) -> Answer:
@@ -165,11 +156,11 @@ class Workers:
         if not self._free.acquire(timeout=TIME_LIMIT):
             return {"error": "the server is busy; try again in a minute"}
         with self._lock:
-            self._idle = [each for each in self._idle if each.alive]
+            self._stop(page)
+            self._idle = [each for each in self._idle if each.rest()]
             worker = self._idle.pop() if self._idle else Worker()
             if not self._idle:
                 self._idle.append(Worker())  # taken last, as it has to import what it needs
-            self._stop(page)
             if page:
                 self._running[page] = worker
         try:
@@ -177,10 +168,9 @@ class Workers:
         finally:
             self._free.release()
             with self._lock:
-                self._running = {
-                    name: each for name, each in self._running.items() if each is not worker
-                }
-                if worker.alive and len(self._idle) < MOST_IDLE:
+                if self._running.get(page) is worker:
+                    del self._running[page]
+                if worker.rest() and len(self._idle) < MOST_IDLE:
                     self._idle.append(worker)
 
     def progress(self, page: str) -> float:
@@ -192,8 +182,9 @@ class Workers:
         return 0.0 if worker is None else worker.progress
 
     def _stop(self, page: str) -> None:
-        if (older := self._running.get(page)) is not None:
-            older.stop()
+        with self._lock:
+            if page in self._running:
+                self._running[page].stop()
 
 
 def work() -> None:
@@ -211,14 +202,13 @@ def work() -> None:
     def read() -> None:
         """Read messages from standard input until it ends.
 
-        A message is a computation, or the number of a computation that is to be stopped.
+        A message is a computation, or None to stop the present computation.
         """
         with contextlib.suppress(EOFError, OSError):
             while True:
                 message = pickle.load(sys.stdin.buffer)
-                if isinstance(message, int):
-                    watch.stopped = message
-                else:
+                watch.stopped = message is None
+                if message is not None:
                     jobs.put(message)
         os._exit(0)
 
@@ -233,7 +223,7 @@ def work() -> None:
     logger.addHandler(watch)
     logger.setLevel(logging.DEBUG)
     while True:
-        watch.number, kind, arguments = jobs.get()
+        kind, arguments = jobs.get()
         try:
             function = pkgutil.resolve_name(f"{__package__}.{KINDS[kind]}")
             found = function(pass_of, *arguments)
@@ -251,14 +241,12 @@ class Watch(logging.Handler):
     """Log handler that reports the progress of a computation, and stops the computation on request.
 
     Attributes:
-        number: number of the present computation.
-        stopped: number of the computation that was last requested to stop.
+        stopped: whether the present computation is to be stopped.
     """
 
     def __init__(self, answers: BinaryIO) -> None:
         super().__init__(logging.DEBUG)
-        self.number = 0
-        self.stopped = -1
+        self.stopped = False
         self._answers = answers
         self._reported = 0.0
 
@@ -268,7 +256,7 @@ class Watch(logging.Handler):
         Raises:
             StoppedError: if the present computation is to be stopped.
         """
-        if self.stopped == self.number:
+        if self.stopped:
             raise StoppedError(STOPPED)
         if record.name.endswith("scene.run") and time.monotonic() - self._reported > REPORTED:
             self._reported = time.monotonic()
