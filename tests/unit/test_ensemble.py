@@ -79,8 +79,8 @@ def test_the_series_solves_the_equation_of_motion(gravity: float):
     course = course_of(passes)
     step = step_length(passes, course, 1e-11)
     angle, rate = course.at(step)
-    degrees = np.arange(1, len(course.rate))[:, np.newaxis]
-    found = (degrees * course.rate[1:] * step ** (degrees - 1)).sum(axis=0)
+    degrees = np.arange(1, course.series.shape[1])[:, np.newaxis]
+    found = (degrees * course.series[1, 1:] * step ** (degrees - 1)).sum(axis=0)
     expected = free_acceleration(passes, passes.hub_angle + step, angle, rate)
     np.testing.assert_allclose(found, expected, rtol=1e-8)
 

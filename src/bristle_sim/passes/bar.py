@@ -2,9 +2,9 @@
 that lies on it.
 
 All lengths are divided by the bristle's length: the hub's radius rho, and the distance S of the bar's
-centre from the hub's axis. The hub angle from the bar's direction is chi = psi - psi_b. The vector
-from the root to the bar's centre has the length D, D^2 = S^2 + rho^2 - 2 S rho cos chi, and the
-angle delta from the bar's direction.
+centre from the hub's axis. The hub angle from the bar's direction is chi = psi - psi_b. Vectors are
+complex numbers, whose real axis points from the hub's axis to the bar's centre. The vector from the
+root to the bar's centre is w = S - rho exp(i chi) = D exp(i delta).
 
 A wire that lies on the bar keeps its centre line, or its end, at the distance R from the bar's
 centre. The angle between the wire and the vector to the bar's centre is eta. The wire's absolute
@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.passes.motion import Pose, free_acceleration, pose_of, sine_and_cosine
+from bristle_sim.passes.motion import Vector, direction, free_acceleration
 from bristle_sim.passes.state import Chosen, Passes
 
 
@@ -48,15 +48,6 @@ def half_window(radius: Array, distance: Array, square: Array) -> Array:
     return np.where(cosine > 1.0, -1.0, np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-def flank_window(passes: Passes) -> Array:
-    """Return the largest hub angle at which the bar can touch the wire's flank (rad), at least 0.
-
-    The angle is measured from the hub angle at which the root is nearest to the bar.
-    """
-    square = 1.0 + passes.reach**2
-    return np.maximum(half_window(passes.radius, passes.bar_distance, square), 0.0)
-
-
 def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
     """Return the hub angle chi from the bar's direction (rad) at which an undeflected wire first
     touches the bar.
@@ -79,35 +70,35 @@ class Closest(NamedTuple):
     Attributes:
         gap: gap between the surfaces of wire and bar.
         rate: derivative of the gap with respect to the hub angle.
-        x, y: vector from the nearest point of the wire's centre line to the bar's centre.
-        distance: length of this vector.
-        along: distance of the nearest point from the root.
+        along: distance from the root to the nearest point of the wire's centre line.
+        offset: vector from this point to the bar's centre.
+        root: vector from the hub's axis to the root.
+        wire: unit vector along the wire.
     """
 
     gap: Array
     rate: Array
-    x: Array
-    y: Array
-    distance: Array
     along: Array
+    offset: Vector
+    root: Vector
+    wire: Vector
 
 
-def closest(passes: Passes, pose: Pose) -> Closest:
+def closest(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Closest:
     """Return the shortest distance between each wire and the bar.
 
-    The arrays of the pose have the shape (..., passes).
+    Hub angle psi, relative angle alpha and rate d(alpha)/d(psi) have the shape (..., passes).
     """
-    moving_x = passes.radius * pose.hub_cosine
-    moving_y = passes.radius * pose.hub_sine
-    x = passes.bar_x - moving_y
-    y = passes.bar_y + moving_x
-    along = np.minimum(np.maximum(x * pose.sine - y * pose.cosine, 0.0), 1.0)
-    x -= along * pose.sine
-    y += along * pose.cosine
-    distance = np.sqrt(x * x + y * y)
-    spin = along * (1.0 + pose.rate)
-    opening = -(x * (moving_x + spin * pose.cosine) + y * (moving_y + spin * pose.sine)) / distance
-    return Closest(distance - passes.reach, opening, x, y, distance, along)
+    chi = hub_angle - passes.bar_angle
+    root = passes.radius * direction(chi)
+    wire = direction(chi + angle)
+    offset = passes.bar_distance - root
+    along = np.minimum(np.maximum((offset * wire.conj()).real, 0.0), 1.0)
+    offset -= along * wire
+    distance = np.abs(offset)
+    velocity = root + along * (1.0 + rate) * wire  # of the wire's point, divided by i
+    opening = (offset.conj() * velocity).imag / distance
+    return Closest(distance - passes.reach, opening, along, offset, root, wire)
 
 
 class Levers(NamedTuple):
@@ -129,21 +120,19 @@ class Levers(NamedTuple):
     side: Array
 
 
-def levers(passes: Passes, pose: Pose) -> Levers:
+def levers(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Levers:
     """Return the velocity of the point of the wire's surface that touches the bar, and its lever
     arms.
 
     The normal points from the bar to the wire. The tangent is the normal rotated clockwise by a
     right angle.
     """
-    near = closest(passes, pose)
-    normal = -(near.x + 1j * near.y) / near.distance
-    arm = near.along * (pose.sine - 1j * pose.cosine) - passes.wire_radius * normal
-    root = passes.radius * (pose.hub_cosine + 1j * pose.hub_sine)
+    near = closest(passes, hub_angle, angle, rate)
+    normal = -near.offset / np.abs(near.offset)
     # in the axes of the normal and of the tangent, which is -i times the normal
-    lever = 1j * arm * np.conj(normal)
-    velocity = root * np.conj(normal) + (1.0 + pose.rate) * lever
-    side = np.where(pose.sine * near.y + pose.cosine * near.x >= 0.0, 1.0, -1.0)
+    lever = 1j * (near.along * near.wire * normal.conj() - passes.wire_radius)
+    velocity = 1j * near.root * normal.conj() + (1.0 + rate) * lever
+    side = np.where((near.offset * near.wire.conj()).imag >= 0.0, 1.0, -1.0)
     return Levers(lever.real, -lever.imag, velocity.real, -velocity.imag, side)
 
 
@@ -174,24 +163,20 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen | bool) 
         at_end: whether a wire touches with its end rather than its flank.
     """
     chi = hub_angle - passes.bar_angle
-    sine, cosine = sine_and_cosine(chi)
-    product = passes.radius * passes.bar_distance
-    square = passes.bar_distance**2 + passes.radius**2 - 2.0 * product * cosine  # D^2
-    square_1 = 2.0 * product * sine
-    square_2 = 2.0 * product * cosine
-    delta = np.arctan2(-passes.radius * sine, passes.bar_distance - passes.radius * cosine)
-    delta_1 = (passes.radius**2 - product * cosine) / square
-    delta_2 = (0.5 - delta_1) * square_1 / square
-    if at_end is True:
-        eta, slope, bend = _held_at_end(passes, square)
-    else:
-        eta, slope, bend = _held_at_flank(passes, square)
-        if np.any(at_end):
-            ends = _held_at_end(passes, square)
-            eta, slope, bend = np.where(at_end, ends, (eta, slope, bend))
-    angle = delta - side * eta - chi
-    rate = delta_1 - side * slope * square_1 - 1.0
-    acceleration = delta_2 - side * (bend * square_1**2 + slope * square_2)
+    root = passes.radius * direction(chi)
+    apart = passes.bar_distance - root
+    # first and second derivatives of ln D + i delta
+    first = -1j * root / apart
+    second = root / apart - first * first
+    eta, slope, bend = _flank_tilt(passes, np.abs(apart))
+    if np.any(at_end):
+        tilt = _end_tilt(passes, np.abs(apart))
+        eta, slope, bend = np.where(at_end, tilt, (eta, slope, bend))
+    eta_1 = slope * first.real
+    eta_2 = slope * second.real - bend * (eta_1**2 + first.real**2)
+    angle = np.arctan2(apart.imag, apart.real) - side * eta - chi
+    rate = first.imag - side * eta_1 - 1.0
+    acceleration = second.imag - side * eta_2
     pressure = side * (free_acceleration(passes, hub_angle, angle, rate) - acceleration)
     return Lying(angle, rate, acceleration, pressure)
 
@@ -200,44 +185,32 @@ LEAST_SQUARE = 1e-60
 """Lower bound of the square of a sine or a length; it prevents a division by zero where the wire
 points at the bar's centre."""
 
-Turns = tuple[Array, Array, Array]
-"""Angle (rad), and its first and second derivatives with respect to the square of a distance."""
+Tilt = tuple[Array, Array, Array]
+"""Angle eta (rad), and the coefficients p and c in its derivatives with respect to the hub angle,
+eta' = p u' and eta'' = p u'' - c (eta'^2 + u'^2), with u = ln D."""
 
 
-def _held_at_flank(passes: Passes, square: Array) -> Turns:
-    """Return the angle eta between a wire touched on its flank and the vector to the bar's centre.
+def _flank_tilt(passes: Passes, distance: Array) -> Tilt:
+    """Return the angle between a wire touched on its flank and the vector to the bar's centre.
 
-    The angle obeys sin eta = R/D, with the distance D of the bar's centre from the root and the sum
-    R of the radii of bar and wire. ``square`` is D^2.
-
-    Returns:
-        The angle (rad), and its first and second derivatives with respect to D^2.
+    The angle obeys sin eta = R/D; ``distance`` is D.
     """
-    foot = np.maximum(square - passes.reach**2, LEAST_SQUARE)
-    slope = -0.5 * passes.reach / (square * np.sqrt(foot))
-    bend = -slope * (1.0 / square + 0.5 / foot)
-    return np.arctan2(passes.reach, np.sqrt(foot)), slope, bend
+    foot = np.sqrt(np.maximum(distance**2 - passes.reach**2, LEAST_SQUARE))
+    slope = -passes.reach / foot
+    return np.arctan2(passes.reach, foot), slope, slope
 
 
-def _held_at_end(passes: Passes, square: Array) -> Turns:
-    """Return the angle eta between a wire touched at its end and the vector to the bar's centre.
+def _end_tilt(passes: Passes, distance: Array) -> Tilt:
+    """Return the angle between a wire touched at its end and the vector to the bar's centre.
 
-    By the law of cosines cos eta = (D^2 + 1 - R^2)/(2 D). Here 1 is the length of the wire, D the
-    distance of the bar's centre from the root, and R the distance of the wire's end from the bar's
-    centre. ``square`` is D^2.
-
-    Returns:
-        The angle (rad), and its first and second derivatives with respect to D^2.
+    By the law of cosines cos eta = (D^2 + 1 - R^2)/(2 D); ``distance`` is D.
     """
-    rest = 1.0 - passes.reach**2
-    distance = np.sqrt(square)
-    cosine = 0.5 * (square + rest) / distance
+    rest = (1.0 - passes.reach**2) / distance
+    cosine = 0.5 * (distance + rest)
     # not from the cosine, whose rounding error is large beside a small angle
     product = (passes.reach**2 - (distance - 1.0) ** 2) * ((distance + 1.0) ** 2 - passes.reach**2)
     sine = 0.5 * np.sqrt(np.maximum(product, LEAST_SQUARE)) / distance
-    slope = -0.25 * (square - rest) / (square * distance * sine)
-    curve = 0.125 * (3.0 * rest - square) / (square**2 * distance)
-    return np.arctan2(sine, cosine), slope, -(curve + cosine * slope**2) / sine
+    return np.arctan2(sine, cosine), 0.5 * (rest - distance) / sine, cosine / sine
 
 
 def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:
@@ -246,6 +219,6 @@ def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen
     A wire is locked if no normal force on it, together with the friction force, rotates the wire
     away from the bar.
     """
-    touch = levers(passes, pose_of(hub_angle, angle, rate))
+    touch = levers(passes, hub_angle, angle, rate)
     rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential
     return np.asarray(touch.normal * (touch.normal - rub) <= 0.0)

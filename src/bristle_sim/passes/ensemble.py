@@ -35,7 +35,11 @@ BLOCK = 1 << 14
 With fewer passes the overhead of a call exceeds its arithmetic. With more passes the arrays take
 more memory, and little time is saved."""
 
-LEAST_FLYING = BLOCK // 4  # the next block begins when fewer passes than this are under way
+LEAST_FLYING = BLOCK // 4
+"""Number of passes under way below which the next block begins, and of ended passes from which they
+are evaluated."""
+
+ENDED = WORKPART  # smallest code of a pass that has ended
 
 UNCERTAIN = 1.0
 """Error estimate of a pass for which an error as small as the accuracy could alter the number of
@@ -106,34 +110,31 @@ def ensemble(
     columns["outcome"] = np.full(request.size, REFUSED, dtype=np.int8)
     columns["reason"] = np.full(request.size, "", dtype=object)
     nothing = passes_of(request, np.arange(0))[0]
-    groups = {FLIES: nothing, BAR: nothing}
-    ended = list[Passes]()
-    begun = under_way = waiting = 0
-    while begun < request.size or under_way:
+    groups = {code: [nothing] for code in (FLIES, BAR, ENDED)}
+    sizes = dict.fromkeys(groups, 0)
+    begun = 0
+    while begun < request.size or any(sizes.values()):
+        under_way = sizes[FLIES] + sizes[BAR]
         if begun < request.size and under_way < LEAST_FLYING:
             last = min(begun + BLOCK, request.size)
-            group, columns["reason"][begun:last] = passes_of(request, np.arange(begun, last))
+            some, columns["reason"][begun:last] = passes_of(request, np.arange(begun, last))
             begun = last
-        else:
+        elif under_way and sizes[ENDED] < LEAST_FLYING:
             # the larger group goes on: calls for few passes cost as much as for many
-            turn = FLIES if groups[FLIES].size >= groups[BAR].size else BAR
-            group = groups[turn]
-            groups[turn] = nothing
-            group.code[:] = STEPS[turn](group, checked.accuracy)
-        for code, others in groups.items():
-            groups[code] = joined(others, group.take(np.flatnonzero(group.code == code)))
-        under_way = groups[FLIES].size + groups[BAR].size
-        # passes that have ended wait until many can be evaluated at once
-        over = np.flatnonzero(group.code > BAR)
-        if over.size:
-            ended.append(group.take(over))
-            waiting += over.size
-        if waiting >= LEAST_FLYING or not under_way:
-            _record(request, checked.accuracy, joined(nothing, *ended), columns)
-            ended.clear()
-            waiting = 0
+            turn = FLIES if sizes[FLIES] >= sizes[BAR] else BAR
+            some = joined(groups[turn])
+            groups[turn] = []
+            some.code[:] = STEPS[turn](some, checked.accuracy)
+        else:
+            # passes that have ended are evaluated when they are many
+            _record(request, checked.accuracy, joined(groups[ENDED]), columns)
+            groups[ENDED] = []
+            some = nothing
+        for code, group in groups.items():
+            group.append(some.take(np.flatnonzero(np.minimum(some.code, ENDED) == code)))
+            sizes[code] = sum(each.size for each in group)
         if progress is not None:
-            progress((begun - under_way) / request.size)
+            progress((begun - sizes[FLIES] - sizes[BAR]) / request.size)
     columns["outcome"] = np.array(OUTCOMES)[columns["outcome"]]
     shaped = {name: each.reshape(request.shape) for name, each in columns.items()}
     return Ensemble(keys=request.given, **shaped)
@@ -145,23 +146,25 @@ def _record(request: Request, accuracy: float, passes: Passes, columns: Columns)
     numbers = passes.number.astype(int)
     for code, text in REASONS.items():
         reason[numbers[passes.code == code]] = text
-    over = np.flatnonzero(np.isin(passes.code, (MISSED, LOCKED, WORKPART)))
-    done, numbers = passes.take(over), numbers[over]
-    values = request.at(numbers)
+    done = passes.take(np.flatnonzero(np.isin(passes.code, (MISSED, LOCKED, WORKPART))))
+    struck = done.take(np.flatnonzero(done.code == WORKPART))
+    speed = request.at(done.number.astype(int))["hub_speed"]
     found = {
-        "release_time": (done.release - done.start) / values["hub_speed"],
+        "release_time": (done.release - done.start) / speed,
         "release_retraction": -done.release_angle,
         "largest_retraction": -done.lowest,
         "error_estimate": np.minimum(done.error, UNCERTAIN),
         "outcome": np.where(done.code == LOCKED, JAMS, MISSES),
     }
-    for name, each in found.items():
-        columns[name][numbers] = each
-    struck = np.flatnonzero(done.code == WORKPART)
+    results = [(done, found)]
     if struck.size:
-        own = {key: each[struck] for key, each in values.items()}
-        for name, each in strike(done.take(struck), own, accuracy).items():
-            columns[name][numbers[struck]] = each
+        values = request.at(struck.number.astype(int))
+        results.append((struck, strike(struck, values, accuracy)))
+    for some, quantities in results:
+        numbers = some.number.astype(int)
+        for name, each in quantities.items():
+            columns[name][numbers] = each
+    numbers = done.number.astype(int)
     uncertain = columns["error_estimate"][numbers] >= UNCERTAIN
     for where, text in ((np.isnan(done.release), UNTOUCHED), (uncertain, OTHERWISE)):
         reason[numbers[where & (reason[numbers] == "")]] = text

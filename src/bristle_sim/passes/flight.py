@@ -5,7 +5,7 @@ step.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,13 +14,13 @@ from bristle_sim.passes.bar import closest, half_turn
 from bristle_sim.passes.crossing import root
 from bristle_sim.passes.motion import (
     FRACTIONS,
+    ORDER,
     SEGMENT,
     Course,
     Function,
     Motion,
-    Pose,
     course_of,
-    pose_of,
+    direction,
     step_length,
 )
 from bristle_sim.passes.state import (
@@ -90,33 +90,49 @@ def fly(passes: Passes, accuracy: float) -> Chosen:
     tolerance = max(min(LOCAL_FRACTION * accuracy, MOST_TOLERANCE), LEAST_TOLERANCE)
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)
-    last_terms = np.abs(course.rate[-1]) * step ** (len(course.rate) - 1.0)
-    passes.error += last_terms / passes.rate_scale
+    passes.error += np.abs(course.series[1, ORDER - 1]) * step ** (ORDER - 1.0) / passes.rate_scale
     samples = Samples(FRACTIONS * step, *course.sampled(step))
-    place = step.copy()
     code = np.full(passes.size, FLIES)
-    for obstacle, chosen in ((WORKPART, low(passes, step)), (BAR, near)):
-        closing, margin = first_closing(obstacle, passes, course.motion, samples, chosen)
-        passes.error[margin < accuracy] = 1.0
-        code[closing <= place] = obstacle
-        place = np.minimum(place, closing)
-    folded = np.abs(samples.angle) > QUARTER_TURN
-    if folded.any():
-        code[(folded & (samples.turn <= place)).any(axis=0)] = FOLDS
-    move(passes, course.motion, samples, place)
-    passes.touching *= place <= 0.0
+    advance(passes, course.motion, samples, near, step, code, accuracy)
     code[(code == FLIES) & (passes.hub_angle >= passes.end)] = MISSED
-    code[folds(passes)] = FOLDS
     return code
 
 
-def folds(passes: Passes) -> Chosen:
-    """Return whether each wire has folded.
+def advance(
+    passes: Passes,
+    motion: Motion,
+    samples: Samples,
+    near: Chosen,
+    place: Array,
+    code: Chosen,
+    accuracy: float,
+) -> None:
+    """Advance each pass by a rotation of the hub, or to its first touch or fold within the rotation.
 
     A wire has folded if it is more than 90 degrees ahead of the radial direction, or has ever been
     more than 90 degrees behind it.
+
+    Args:
+        passes: passes to advance.
+        motion: motion of the wires.
+        samples: motion at the ends of the segments.
+        near: indices of the wires that may touch the bar.
+        place: rotation of the hub without a touch, rad.
+        code: code of each pass's state after this rotation; a touch or a fold replaces it.
+        accuracy: requested accuracy. An obstacle passed at a smaller distance makes the number of
+            touches uncertain.
     """
-    return np.maximum(passes.angle, -passes.lowest) > QUARTER_TURN
+    for obstacle, chosen in ((WORKPART, low(passes, samples.turn[-1])), (BAR, near)):
+        closing, margin = first_closing(obstacle, passes, motion, samples, chosen)
+        passes.error[margin < accuracy] = 1.0
+        code[closing <= place] = obstacle
+        place = np.minimum(place, closing)
+    folded = ((np.abs(samples.angle) > QUARTER_TURN) & (samples.turn <= place)).any(axis=0)
+    _note_lowest(passes, motion, samples, place)
+    passes.angle[:], passes.rate[:] = motion(np.arange(passes.size))(place)[:2]
+    np.minimum(passes.lowest, passes.angle, out=passes.lowest)
+    passes.hub_angle += place
+    code[folded | (np.maximum(passes.angle, -passes.lowest) > QUARTER_TURN)] = FOLDS
 
 
 def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chosen]:
@@ -135,9 +151,9 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
     step = np.minimum(step_length(passes, course, tolerance), passes.end - passes.hub_angle)
     np.minimum(step, ahead, out=step, where=outside & (passes.window >= 0.0))
     if near.size:
-        gained = 0.25 * np.abs(course.rate[1, near]) * step[near]
+        gained = 0.25 * np.abs(course.series[1, 1, near]) * step[near]
         speed = passes.radius[near] + 1.0 + np.abs(passes.rate[near]) + gained
-        least = LEAST_BEND * (1.0 - passes.touching[near])
+        least = LEAST_BEND * ~passes.parting[near]
         longest = BEND / SEGMENT * np.maximum(passes.reach[near], least) / speed
         step[near] = np.minimum(step[near], longest)
     return step, near
@@ -156,16 +172,20 @@ def low(passes: Passes, turn: Array) -> Chosen:
     return np.flatnonzero(lowest >= passes.depth)
 
 
-def clearance(obstacle: int, passes: Passes, pose: Pose) -> tuple[Array, Array]:
-    """Return the gap between wire and obstacle, and its derivative with respect to the hub angle.
+def height(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> tuple[Array, Array]:
+    """Return the height of each tip above the workpart, and its derivative with respect to the hub
+    angle.
 
-    The gap is divided by the bristle's length. ``obstacle`` is ``BAR`` or ``WORKPART``.
+    The height is divided by the bristle's length.
     """
-    if obstacle == BAR:
-        found = closest(passes, pose)
-        return found.gap, found.rate
-    gap = passes.depth - passes.radius * pose.hub_cosine - pose.cosine
-    return gap, passes.radius * pose.hub_sine + pose.sine * (1.0 + pose.rate)
+    root = passes.radius * direction(hub_angle)
+    wire = direction(hub_angle + angle)
+    return passes.depth - (root + wire).real, (root + (1.0 + rate) * wire).imag
+
+
+GAPS: dict[int, Callable[..., Any]] = {BAR: closest, WORKPART: height}
+"""Functions that return first the gap between wire and obstacle, divided by the bristle's length,
+and then its derivative with respect to the hub angle."""
 
 
 def first_closing(
@@ -193,24 +213,23 @@ def first_closing(
         infinite without a minimum.
     """
 
-    def gap_of(numbers: Chosen) -> Callable[[Array], tuple[Array, Array]]:
+    def gap_of(numbers: Chosen) -> Callable[[Array], Any]:
         """Return a function of the hub's rotation (rad) that computes gaps and their derivatives.
 
         ``numbers`` selects the passes among those in ``chosen``.
         """
         some, moving = passes.take(chosen[numbers]), motion(chosen[numbers])
-        return lambda turn: clearance(
-            obstacle, some, pose_of(some.hub_angle + turn, *moving(turn)[:2])
-        )
+        return lambda turn: gap(some, some.hub_angle + turn, *moving(turn)[:2])[:2]
 
+    gap = GAPS[obstacle]
     place = np.full(passes.size, np.inf)
     margin = place.copy()
     if not chosen.size:
         return place, margin
     turns, angles, rates = (each.take(chosen, axis=1) for each in samples)
     some = passes.take(chosen)
-    gaps, rates = clearance(obstacle, some, pose_of(some.hub_angle + turns, angles, rates))
-    begins = (some.touching > 0.0) & (obstacle == BAR)
+    gaps, rates = gap(some, some.hub_angle + turns, angles, rates)[:2]
+    begins = some.parting & (obstacle == BAR)
     way = FASTER * np.maximum(-rates[:-1], rates[1:]) * (turns[1:] - turns[:-1])
     candidate = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < way)
     candidate[0, begins] = False
@@ -231,44 +250,43 @@ def first_closing(
         if closed.size:
             over = number[closed]
             candidate[:, over] = False
-            divided = begins[over] & (part[closed] == 0)
-            place[chosen[over]] = _closing(gap_of, over, segment[:, :, closed], divided)
+            leaves = begins[over] & (part[closed] == 0)
+            place[chosen[over]] = _closing(gap_of, over, segment[:, :, closed], leaves)
     return place, margin
 
 
-def _closing(gap_of: Motion, number: Chosen, segment: Array, begins: Chosen) -> Array:
+def _closing(gap_of: Motion, number: Chosen, segment: Array, leaves: Chosen) -> Array:
     """Return the rotation of the hub (rad) at which each gap closes within its segment.
 
     Newton's method starts from inverse cubic interpolation of the gap and its derivative at both
-    ends. If the gap is zero at the segment's start, the root of gap/rotation is sought, which
-    excludes the zero at the start.
+    ends. The gap of a wire that leaves the obstacle is zero at the segment's start. The method then
+    finds the root of gap/rotation, which excludes this zero.
 
     Args:
         gap_of: function that returns gap and derivative of some passes as a function of the
             rotation.
         number: indices of the passes.
         segment: rotation, gap and derivative at both ends, shape (3, 2, passes).
-        begins: whether the gap is zero at the segment's start.
+        leaves: whether the gap is zero at the segment's start.
     """
-
-    def value_of(numbers: Chosen) -> Function:
-        """Return the function of the hub's rotation whose roots are sought, for some passes."""
-        gap = gap_of(number[numbers])
-        divided = begins[numbers]
-
-        def value(place: Array) -> tuple[Array, Array]:
-            height, rate = gap(place)
-            return height, np.where(divided, rate - height / place, rate)
-
-        return value
-
     (low, high), gaps, rates = segment
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = gaps[1] - gaps[0]
         part = -gaps[0] / rise
         bend = rise * ((1.0 - part) / rates[0] - part / rates[1])
         start = low + part * part * (3.0 - 2.0 * part) * (high - low) + part * (1.0 - part) * bend
-    return root(value_of, (low, high), gaps[1], np.where(begins, high, start))
+
+    def function_of(chosen: Chosen) -> Function:
+        gap = gap_of(number[chosen])
+        leaving = leaves[chosen]
+
+        def value(place: Array) -> tuple[Array, Array]:
+            height, rate = gap(place)
+            return height, rate - leaving * height / place
+
+        return value
+
+    return root(function_of, (low, high), gaps[1], np.where(leaves, high, start))
 
 
 def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
@@ -299,18 +317,12 @@ def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
     return root(rate_of, (low, high), rates[1], low + least * width, MINIMUM_ERROR)
 
 
-def move(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None:
-    """Advance each pass by a rotation of the hub, and update its smallest relative angle.
+def _note_lowest(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None:
+    """Update the smallest relative angle of each pass by its first minimum within a rotation.
 
-    Of the minima of the angle within the rotation, only the first that may be smaller than all
-    earlier angles is located. Such a minimum is assumed to be larger than a + 2 a' h, where h is
-    the length of its segment, and a and a' are the angle and its derivative at the segment's start.
-
-    Args:
-        passes: passes to advance.
-        motion: motion of the wires.
-        samples: motion at the ends of the segments.
-        place: rotation of the hub, rad.
+    Of the minima of the angle, only the first that may be smaller than all earlier angles is
+    located. Such a minimum is assumed to be larger than a + 2 a' h, where h is the length of its
+    segment, and a and a' are the angle and its derivative at the segment's start.
     """
     turn, angle, rate = samples
     turning = (rate[:-1] < 0.0) & (rate[1:] > 0.0) & (turn[:-1] < place)
@@ -321,6 +333,3 @@ def move(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None
         segment = np.array([each[part + BOTH_ENDS, number] for each in samples])
         at = np.minimum(_lowest(motion, number, segment), place[number])
         passes.lowest[number] = np.minimum(passes.lowest[number], motion(number)(at)[0])
-    passes.angle[:], passes.rate[:] = motion(np.arange(passes.size))(place)[:2]
-    np.minimum(passes.lowest, passes.angle, out=passes.lowest)
-    passes.hub_angle += place

@@ -17,7 +17,6 @@ from bristle_sim.parameters import FIELDS, KEYS, Tool
 from bristle_sim.parameters.parts import mass_of_volume
 from bristle_sim.parameters.tool import CLEAR_OF_BAR, START, checked_tool
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
-from bristle_sim.passes.motion import pose_of
 from bristle_sim.passes.state import FLIES, ROWS, Chosen, Passes
 from bristle_sim.units import likely_key
 
@@ -201,7 +200,7 @@ def _impossible(tool: Tool, passes: Passes) -> Iterator[Refusal]:
     if tool.bar:
         inside = ~(passes.bar_distance - passes.reach > passes.radius)
         yield inside, "bar_radius", "must leave the bar outside the root circle (in m)"
-        gap = closest(passes, pose_of(passes.start, passes.angle, passes.rate)).gap
+        gap = closest(passes, passes.start, passes.angle, passes.rate).gap
         rule = "the bar must be clear of the bristle at the start (in m)"
         yield gap < -OVERLAP_ROUNDING, "bar_horizontal", rule
     fastest = np.sqrt(passes.stiffness + passes.centrifugal) + passes.damping + 1.0
@@ -234,9 +233,11 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     )
     start = np.full(size, START)
     window = np.full(size, -1.0)
+    flank = nothing
     met = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
     if tool.bar:
         window = half_window(radius, distance, (1.0 + reach) ** 2)
+        flank = np.maximum(half_window(radius, distance, 1.0 + reach**2), 0.0)
         bar_met = bar_angle + meeting_angle(radius, distance, reach)
         start = np.where(bar_met < START, bar_met - CLEAR_OF_BAR, start)
         met = np.minimum(met, bar_met)
@@ -257,12 +258,11 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
         "rate_scale": 1.0 + np.sqrt(stiffness),
         "bar_distance": distance,
         "bar_angle": bar_angle,
-        "bar_x": bar_x,
-        "bar_y": bar_y,
         "reach": reach,
         "wire_radius": wire_radius,
         "bar_friction": bar["friction"],
         "bar_restitution": bar["restitution"],
+        "flank": flank,
         "window": window,
         "depth": depth,
         "start": start,

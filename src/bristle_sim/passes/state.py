@@ -6,6 +6,7 @@ angle is the time.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -44,11 +45,12 @@ class Passes:
         rate_scale: scale of the angular velocities, 1 + sqrt(k).
         bar_distance: distance of the bar's centre from the hub's axis, S/L.
         bar_angle: hub angle at which the root is nearest to the bar's centre, rad.
-        bar_x, bar_y: position of the bar's centre, divided by L.
         reach: distance of the wire's centre line from the bar's centre when they touch, (r_b +
             d/2)/L, with the bar's radius r_b and the wire's diameter d.
         wire_radius: radius of the wire, d/(2 L).
         bar_friction, bar_restitution: coefficients of friction and of restitution at the bar.
+        flank: largest hub angle from ``bar_angle`` at which the bar can touch the wire's flank, rad;
+            at larger angles it can touch only the wire's end.
         window: largest hub angle from ``bar_angle`` at which the wire can reach the bar, rad;
             negative if the wire never reaches it.
         depth: distance of the workpart's surface from the hub's axis, divided by L; infinite
@@ -56,7 +58,6 @@ class Passes:
         start, end: hub angles at which the pass starts and ends, rad.
         hub_angle, angle, rate: present hub angle psi, relative angle alpha and angular velocity
             d(alpha)/d(psi).
-        touching: 1 if the wire has just left the bar, so that the gap is still zero; otherwise 0.
         touches: number of touches of the bar so far.
         release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
             NaN before the first contact.
@@ -75,12 +76,11 @@ class Passes:
     rate_scale: Array
     bar_distance: Array
     bar_angle: Array
-    bar_x: Array
-    bar_y: Array
     reach: Array
     wire_radius: Array
     bar_friction: Array
     bar_restitution: Array
+    flank: Array
     window: Array
     depth: Array
     start: Array
@@ -88,7 +88,6 @@ class Passes:
     hub_angle: Array
     angle: Array
     rate: Array
-    touching: Array
     touches: Array
     release: Array
     release_angle: Array
@@ -104,6 +103,11 @@ class Passes:
         """Number of passes."""
         return len(self.number)
 
+    @property
+    def parting(self) -> Chosen:
+        """Whether each wire leaves the bar at the present hub angle, so that the gap is zero."""
+        return np.equal(self.hub_angle, self.release)
+
     def take(self, chosen: Chosen) -> Passes:
         """Return the passes with the given indices, which must increase.
 
@@ -111,17 +115,13 @@ class Passes:
         """
         return self if len(chosen) == self.size else Passes(self.table.take(chosen, axis=1))
 
-    def put(self, chosen: Chosen, some: Passes) -> None:
-        """Copy the state of the passes ``some`` to the given indices of this object."""
-        self.table[:, chosen] = some.table
-
 
 ROWS = tuple(Passes.__annotations__)
 
 
-def joined(*groups: Passes) -> Passes:
+def joined(groups: Sequence[Passes]) -> Passes:
     """Return the passes of several groups in one group."""
-    filled = [each for each in groups if each.size] or groups
+    filled = [each for each in groups if each.size]
     if len(filled) == 1:
         return filled[0]
     return Passes(np.concatenate([each.table for each in filled], axis=1))

@@ -11,26 +11,17 @@ from collections.abc import Callable
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.passes.bar import Lying, flank_window, half_turn, levers, locks, lying
+from bristle_sim.passes.bar import Lying, half_turn, levers, locks, lying
 from bristle_sim.passes.crossing import root
-from bristle_sim.passes.flight import (
-    BOTH_ENDS,
-    Samples,
-    first_closing,
-    folds,
-    low,
-    move,
-)
-from bristle_sim.passes.motion import FRACTIONS, Function, pose_of
+from bristle_sim.passes.flight import BOTH_ENDS, Samples, advance
+from bristle_sim.passes.motion import FRACTIONS, Function
 from bristle_sim.passes.state import (
     BAR,
     FLIES,
     FOLDS,
     LEAST,
     LOCKED,
-    QUARTER_TURN,
     TOO_MANY,
-    WORKPART,
     Chosen,
     Passes,
 )
@@ -50,16 +41,14 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
 
     If a wire stays on the bar, its motion is computed until it leaves the bar or the pass ends.
     """
-    normal, tangential, approach, slip, side = levers(
-        passes, pose_of(passes.hub_angle, passes.angle, passes.rate)
-    )
+    state = passes.hub_angle, passes.angle, passes.rate
+    normal, tangential, approach, slip, side = levers(passes, *state)
     friction, restitution = passes.bar_friction, passes.bar_restitution
     inverse_mass = (normal * normal, normal * tangential, tangential * tangential)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         hit = resolve_phases(*inverse_mass, approach, slip, friction, restitution, friction)
     passes.rate += normal * hit.impulse_normal + tangential * hit.impulse_tangential
     passes.touches += 1.0
-    passes.touching[:] = 1.0
     passes.release[:], passes.release_angle[:] = passes.hub_angle, passes.angle
     ending = np.where(passes.touches > MOST_TOUCHES, TOO_MANY, FLIES)
     ending[hit.outcome == JAM] = LOCKED
@@ -79,14 +68,11 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     lost = pressed * (1.0 - parting / speed)
     lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
     low |= comes_to_rest(passes, side, at_end, held.pressure, lasting)
-    stays = np.flatnonzero((ending == FLIES) & (pressed > 0.0) & low)
-    if stays.size:
-        some = passes.take(stays)
-        some.rate[:] = held.rate[stays]
-        ending[stays] = slide(some, side[stays])
-        some.error[some.error < 1.0] = ROUNDING
-        passes.put(stays, some)
-        ending[folds(passes)] = FOLDS
+    stays = (ending == FLIES) & (pressed > 0.0) & low
+    ending[stays] = BAR
+    passes.rate[stays] = held.rate[stays]
+    slide(passes, side, ending, accuracy)
+    passes.error[stays & (passes.error < 1.0)] = ROUNDING
     return ending
 
 
@@ -116,38 +102,39 @@ def comes_to_rest(
 
 def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
     """Return whether each wire that lies on the bar touches it with its end rather than its flank."""
-    return np.abs(half_turn(hub_angle - passes.bar_angle)) > flank_window(passes)
+    return np.abs(half_turn(hub_angle - passes.bar_angle)) > passes.flank
 
 
-def slide(passes: Passes, side: Array) -> Chosen:
-    """Advance wires that lie on the bar to the end of the contact.
+def slide(passes: Passes, side: Array, code: Chosen, accuracy: float) -> None:
+    """Advance the wires that lie on the bar to the end of the contact.
 
-    ``side`` is 1 for a wire behind the bar, and -1 for a wire ahead of it.
-
-    Returns:
-        The code of each pass's state at the end of the contact.
+    Args:
+        passes: passes of the wires.
+        side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
+        code: code of each pass's state, ``BAR`` for the wires that lie on the bar; the state after
+            the contact replaces it.
+        accuracy: requested accuracy.
     """
     chi = half_turn(passes.hub_angle - passes.bar_angle)
-    flank = flank_window(passes)
-    ending = np.full(passes.size, BAR)
     begin = passes.hub_angle - chi
-    for first, last, at_end in (
-        (chi, -flank, True),
-        (np.maximum(chi, -flank), flank, False),
-        (np.maximum(chi, flank), passes.window, True),
-    ):
-        going = np.flatnonzero((ending == BAR) & (first < last))
+    fresh = np.ones(passes.size, dtype=bool)
+    for last, at_end in ((-passes.flank, True), (passes.flank, False), (passes.window, True)):
+        going = np.flatnonzero((code == BAR) & (chi < last))
         if going.size:
             some = passes.take(going)
-            some.hub_angle[:] = (begin + first)[going]
-            fresh = (first == chi)[going]
-            ending[going] = _piece(some, (last - first)[going], side[going], at_end, fresh)
-            passes.put(going, some)
-    return np.where(ending == BAR, FOLDS, ending)
+            some.hub_angle[:] = (begin + chi)[going]
+            length = (last - chi)[going]
+            code[going] = _lie(some, length, side[going], at_end, fresh[going], accuracy)
+            passes.table[:, going] = some.table
+            chi[going] = last[going]
+            fresh[going] = False
+    code[code == BAR] = FOLDS
 
 
-def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chosen) -> Chosen:
-    """Advance wires on the bar while they touch either with their flanks alone or with their ends
+def _lie(
+    passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chosen, accuracy: float
+) -> Chosen:
+    """Advance wires on the bar while they touch it either with their flanks alone or with their ends
     alone.
 
     If the pressure falls to zero within a segment, it is assumed not to rise above zero later in
@@ -159,33 +146,29 @@ def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chos
         side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
         at_end: whether the wires touch with their ends.
         fresh: whether the contact begins here. Its pressure is then known to be positive.
+        accuracy: requested accuracy.
 
     Returns:
         The code of each pass's state, ``BAR`` for a contact that continues.
     """
     turns = FRACTIONS * length
     found = lying(passes, passes.hub_angle + turns, side, at_end)
-    samples = Samples(turns, found.angle, found.rate)
     stops = found.pressure <= 0.0
     stops[0] &= ~fresh
-    folded = np.abs(found.angle) > QUARTER_TURN
     jams = np.zeros_like(stops)
     if passes.bar_friction.any():
-        jams = locks(passes, passes.hub_angle + turns, found.angle, found.rate)
-        jams &= found.pressure > 0.0
-    halts = stops | folded | jams
+        jams = locks(passes, passes.hub_angle + turns, found.angle, found.rate) & ~stops
+    halts = stops | jams
     columns = np.arange(passes.size)
     at = np.where(halts.any(axis=0), halts.argmax(axis=0), len(turns) - 1)
-    how = np.select(
-        [each[at, columns] for each in (jams, folded, stops)], [LOCKED, FOLDS, FLIES], BAR
-    )
+    code = np.select([jams[at, columns], stops[at, columns]], [LOCKED, FLIES], BAR)
     place = turns[at, columns]
 
     def lying_of(numbers: Chosen) -> Callable[[Array], Lying]:
         some, own_side = passes.take(numbers), side[numbers]
         return lambda turn: lying(some, some.hub_angle + turn, own_side, at_end)
 
-    released = np.flatnonzero((how == FLIES) & (at > 0))
+    released = np.flatnonzero((code == FLIES) & (at > 0))
     if released.size:
 
         def pressure_of(numbers: Chosen) -> Function:
@@ -198,13 +181,11 @@ def _piece(passes: Passes, length: Array, side: Array, at_end: bool, fresh: Chos
         guess = begin + (end - begin) * before / (before - after)
         place[released] = root(pressure_of, (begin, end), after, guess)
 
-    strike, _ = first_closing(WORKPART, passes, lying_of, samples, low(passes, length))
-    how[strike <= place] = WORKPART
-    place = np.minimum(place, strike)
-    move(passes, lying_of, samples, place)
+    samples = Samples(turns, found.angle, found.rate)
+    advance(passes, lying_of, samples, np.arange(0), place, code, accuracy)
     passes.release[:] = passes.hub_angle
     passes.release_angle[:] = passes.angle
-    return how
+    return code
 
 
 def bounded_pressure(motion: Lying) -> Array:
