@@ -13,9 +13,8 @@ from bristle_sim.benchmarks.accuracy_cost import (
     Effort,
     cases,
     measure,
-    own_methods,
+    methods,
     peers,
-    scipy_methods,
     study,
 )
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Point
@@ -37,12 +36,12 @@ class TestCases:
     @pytest.mark.parametrize("method", ["scipy dop853", "scipy lsoda", "scipy ode dopri5"])
     def test_closed_form_of_the_flight_is_what_integrators_find(self, method):
         # Requested 1e-12; LSODA is known to miss its tolerance by a factor of ten.
-        assert errors(FLIGHT, scipy_methods.flight_attempts(FLIGHT), method)[-1] < 1e-11
+        assert errors(FLIGHT, methods.scipy_flight(FLIGHT), method)[-1] < 1e-11
 
     def test_a_pass_by_events_of_scipy(self):
         """A pass at 1e-2 is a coarse one."""
         whole = cases.whole_pass_case()
-        assert whole.error(scipy_methods.pass_attempts(whole)[0].run().values) < 1.0
+        assert whole.error(methods.scipy_pass(whole)[0].run().values) < 1.0
 
     def test_the_strikes_settle_to_the_printed_rates(self):
         # Zhang 2020, sec. 2.4.2 evaluated, to the digits given there; kappa omega L from eq. 2.34 for the bristle.
@@ -84,7 +83,7 @@ class TestMeasuring:
 @pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])
 def test_the_requested_accuracy_is_reached(accuracy):
     run = attempt_named(
-        own_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}"
+        methods.own_flight(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}"
     ).run()
     assert FLIGHT.error(run.values) < float(accuracy)
 
@@ -93,9 +92,7 @@ def test_the_requested_accuracy_is_reached(accuracy):
     "case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name
 )
 def test_the_energetic_law_is_exact(case):
-    run = attempt_named(
-        own_methods.strike_attempts(case), "bristle_sim energetic", "closed phases"
-    ).run()
+    run = attempt_named(methods.own_strike(case), "bristle_sim energetic", "closed phases").run()
     assert case.error(run.values) < 1e-13
 
 
@@ -117,7 +114,7 @@ class TestPeers:
         package = method.split()[0]
         pytest.importorskip(package)
         flights = {"mujoco": peers.mujoco_flight}
-        attempts = flights.get(package, own_methods.flight_attempts)(FLIGHT)
+        attempts = flights.get(package, methods.own_flight)(FLIGHT)
         coarse, fine = (
             FLIGHT.error(attempt_named(attempts, method, f"steps={n}").run().values) for n in counts
         )

@@ -6,7 +6,7 @@ import pytest
 
 from bristle_sim.benchmarks.accuracy_cost import Effort, study
 from bristle_sim.benchmarks.hard_cases import report
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
+from bristle_sim.benchmarks.hard_cases.measures import Finding, HardCase
 from bristle_sim.comparison import Unfinished
 from bristle_sim.dissertation import figures
 

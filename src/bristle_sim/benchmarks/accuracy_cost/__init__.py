@@ -1,8 +1,8 @@
 """The cost of accuracy: error against CPU time, of this project's methods and of other packages.
 
 All methods solve the same cases. An attempt is one method with one setting, applied to one case.
-The module ``cases`` holds the cases with their exact answers. ``own_methods``, ``scipy_methods``
-and ``peers`` (MuJoCo, heyoka) list the attempts at each case. ``measure`` measures errors and CPU
+The module ``cases`` holds the cases with their exact answers. ``methods`` (this project, SciPy) and
+``peers`` (MuJoCo, heyoka) list the attempts at each case. ``measure`` measures errors and CPU
 times in separate runs. ``study`` makes the attempts and writes the report.
 """
 

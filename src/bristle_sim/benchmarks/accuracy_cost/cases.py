@@ -91,10 +91,8 @@ def release_flight() -> Case:
     """
     tool = Tool(bar=None, workpart=None)
     retraction = RETRACTION_AT_RELEASE
-    bristle = tool.bristle
-    hub = tool.hub
-    centrifugal = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
-    swing = (retraction, tool.belt.stiffness, centrifugal, bristle.inertia_about_root)
+    centrifugal = cueing.field_stiffness(tool)
+    swing = (retraction, tool.belt.stiffness, centrifugal, tool.bristle.inertia_about_root)
     speed = float(cueing.stiffened_highest_speed(*swing))
     return Case(
         name="release_flight",

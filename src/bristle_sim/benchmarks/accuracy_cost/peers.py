@@ -18,7 +18,7 @@ from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import tool_units
-from bristle_sim.theory.cueing import centrifugal_stiffness
+from bristle_sim.theory.cueing import field_stiffness
 
 HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
 """Tolerances of heyoka's Taylor series, from coarse to fine."""
@@ -31,13 +31,8 @@ def heyoka_flight(case: Case) -> list[Attempt]:
     """
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
-    tool = case.tool
-    bristle = case.tool.bristle
-    field = float(
-        centrifugal_stiffness(bristle.mass, tool.hub.radius, bristle.length, tool.hub.speed)
-    )
-    moment = tool.belt.stiffness * angle + field * library.sin(angle)
-    equations = [(angle, rate), (rate, -moment / bristle.inertia_about_root)]
+    moment = case.tool.belt.stiffness * angle + field_stiffness(case.tool) * library.sin(angle)
+    equations = [(angle, rate), (rate, -moment / case.tool.bristle.inertia_about_root)]
     start = [-case.retraction, 0.0]
     compiled = {
         each: library.taylor_adaptive(equations, start, tol=each) for each in HEYOKA_TOLERANCES

@@ -12,7 +12,7 @@ import time as clock
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from bristle_sim.benchmarks.accuracy_cost import Effort, cases, own_methods, peers, scipy_methods
+from bristle_sim.benchmarks.accuracy_cost import Effort, cases, methods, peers
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import (
     OURS,
@@ -30,15 +30,15 @@ from bristle_sim.readable import WIDTH, amount, finite
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 
 FLIGHT: Offers = {
-    OURS: own_methods.flight_attempts,
-    "scipy": scipy_methods.flight_attempts,
+    OURS: methods.own_flight,
+    "scipy": methods.scipy_flight,
     "mujoco": peers.mujoco_flight,
     "heyoka": peers.heyoka_flight,
 }
-STRIKE: Offers = {OURS: own_methods.strike_attempts}
+STRIKE: Offers = {OURS: methods.own_strike}
 PASS: Offers = {
-    OURS: own_methods.pass_attempts,
-    "scipy": scipy_methods.pass_attempts,
+    OURS: methods.own_pass,
+    "scipy": methods.scipy_pass,
     "mujoco": peers.mujoco_pass,
 }
 

@@ -11,14 +11,18 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, hard_case, within
 from bristle_sim.benchmarks.hard_cases.measures import (
     ACCURACY,
     AS_REFERENCE,
     IMPACT_LAWS,
+    Finding,
+    HardCase,
     Start,
     agrees_with_reference,
+    all_of,
+    hard_case,
     impacts_of,
+    within,
 )
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
 from bristle_sim.scene.simulate import simulate

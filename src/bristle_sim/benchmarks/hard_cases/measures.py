@@ -1,22 +1,86 @@
-"""Comparisons of simulations with the reference solution, the energy integral and closed forms."""
+"""A hard case, the result of its trial, and the comparison of a simulation with the reference."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import Any, TypedDict
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from bristle_sim.benchmarks.hard_cases.case import Finding, all_of, within, worst
-from bristle_sim.parameters import RETRACTION_AT_RELEASE, Contact, Surface, Tool
+from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.theory.cueing import stiffened_cue
-from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """The result of one trial.
+
+    Attributes:
+        reached: the result in words, the same in every run.
+        ok: whether the promise was kept.
+        steps: number of engine steps.
+    """
+
+    reached: str
+    ok: bool
+    steps: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class HardCase:
+    """A difficult simulation with the condition that its result must satisfy, the promise.
+
+    Attributes:
+        name: name of the case, with the numbers that make it hard.
+        promise: the condition in words, with its tolerance and the reason for the tolerance.
+        measure: function that runs the simulation and checks the condition.
+    """
+
+    name: str
+    promise: str
+    measure: Callable[[], Finding]
+
+    def run(self) -> Finding:
+        """Run the case and return its result; an exception counts as a broken promise."""
+        try:
+            return self.measure()
+        except Exception as error:
+            return Finding(f"{type(error).__name__}: {' '.join(str(error).split())}", False)
+
+
+def hard_case(
+    name: str, promise: str, measure: Callable[..., Finding], *given: Any, **named: Any
+) -> HardCase:
+    """Return a hard case that calls ``measure`` with the arguments ``given`` and ``named``."""
+    return HardCase(name, promise, partial(measure, *given, **named))
+
+
+def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
+    """Return a finding that is ok if ``abs(value) <= limit``; a NaN is not ok.
+
+    ``figure`` names the value in the finding's text, and ``steps`` is the number of engine steps.
+    """
+    return Finding(f"{figure} {value:.2g}", abs(value) <= limit, steps)
+
+
+def all_of(*findings: Finding) -> Finding:
+    """Combine several findings into one, which is ok if all of them are."""
+    words = "; ".join(each.reached for each in findings)
+    return Finding(words, all(each.ok for each in findings), sum(each.steps for each in findings))
+
+
+def worst(values: Iterable[float]) -> float:
+    """Return the largest magnitude of the values.
+
+    It is 0 if there are no values, and NaN if a value is NaN.
+    """
+    return float(np.max(np.abs([0.0, *values])))
+
 
 ACCURACY = Settings().accuracy
 """Default requested accuracy: largest permitted error, relative to the size of the motion."""
@@ -31,16 +95,10 @@ IMPACT_LAWS = ("energetic", "compliant", "engine")
 """Laws of contact records that are impacts; all other records are sustained contacts."""
 
 
-class Start(TypedDict, total=False):
-    """Angles (rad) and relative angular velocity (rad/s) at the start of a run.
+Start = dict[str, Any]
+"""Angles (rad) and relative angular velocity (rad/s) at the start of a run, by name.
 
-    An absent entry takes the default of the simulation.
-    """
-
-    start_hub_angle: float
-    start_relative_angle: float
-    start_relative_rate: float
-
+An absent entry takes the default of the simulation."""
 
 RELEASED: Start = {"start_relative_angle": -RETRACTION_AT_RELEASE}
 """State at the start of a bristle that is released at rest relative to the hub."""
@@ -67,7 +125,7 @@ def agrees_with_reference(
     # Imported here, so that themes without a reference do not load its integrator.
     from bristle_sim.reference import simulate_reference
 
-    given: dict[str, Any] = {**(start or {}), "stop_after": stop_after}
+    given = {**(start or {}), "stop_after": stop_after}
     run = simulate(tool, Settings(limit, maximum_steps=1_000_000, hub_turn=hub_turn), **given)
     other = simulate_reference(tool, accuracy=MORE_ACCURATE * limit, hub_turn=hub_turn, **given)
     fastest = float(np.abs(other.rates).max()) or 1.0
@@ -99,65 +157,3 @@ def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
         (one.rates_after[0] - two.rates_after[0]) / fastest,
         *((a - b) / size for a, b in zip(one.impulse, two.impulse, strict=True)),
     ]
-
-
-def agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
-    """Check the highest angular velocity after an undamped release from rest, and its time.
-
-    The expected values follow from the energy integral.
-    """
-    run = simulate(
-        tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed"
-    )
-    expected = stiffened_cue(replace(Tool(), hub=tool.hub, belt=tool.belt, bristle=tool.bristle))
-    late = float(run.time[-1]) / expected.cue_time - 1.0
-    fast = float(run.relative_rate[-1]) / expected.highest_relative_speed - 1.0
-    return within(worst([late, fast]), accuracy, "off by", run.cost.steps)
-
-
-def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: float) -> Finding:
-    """Check simulated strikes of one or two rods against the closed forms (Zhang 2020, ch. 2).
-
-    Args:
-        strikes: for each strike, the rods, the coefficient of friction and that of restitution.
-        limit: largest permitted relative difference.
-    """
-    off = []
-    alike = True
-    for chain, friction, e in strikes:
-        contact = strike(chain, Surface(friction, None, e), Contact(), Settings()).contact
-        rates, impulse, outcome = _closed_form(chain, friction, e)
-        alike &= contact.outcome == outcome
-        off += [
-            worst(np.subtract(contact.rates_after, rates)) / worst((*chain.rates, *rates)),
-            contact.impulse[0] / impulse - 1.0,
-        ]
-    return all_of(
-        within(worst(off), limit, "off by"),
-        Finding(f"outcomes {'equal' if alike else 'different'}", alike),
-    )
-
-
-def _closed_form(
-    chain: Chain, friction: float, restitution: float
-) -> tuple[tuple[float, ...], float, str]:
-    """Return the result of a strike of one or two rods by its closed form.
-
-    Returns:
-        Angular velocities after the impact (rad/s), normal impulse (N s) and name of the outcome.
-    """
-    mass = chain.masses[-1]
-    length = chain.lengths[0]
-    if len(chain.masses) == 1:
-        radial = (0.0, chain.rates[0], 1.0, -chain.angles[0])
-        one = monofilament_impact(mass, length, *radial, friction, restitution)
-        return (float(one.final_bristle_rate),), float(one.normal_final_impulse), one.outcome_name
-    angle_1, angle_2, rate_1, rate_2 = (-each for each in (*chain.angles, *chain.rates))
-    motion = (angle_1, angle_2, rate_1, rate_2)
-    ratio = chain.masses[0] / mass
-    two = double_pendulum_impact(mass, ratio, length, *motion, friction, restitution)
-    return (
-        (-float(two.final_rate_1), -float(two.final_rate_2)),
-        float(two.normal_final_impulse),
-        two.outcome,
-    )

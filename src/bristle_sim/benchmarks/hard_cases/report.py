@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
 from bristle_sim.benchmarks.hard_cases import HardCaseChoice, contact, motion, strikes
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
+from bristle_sim.benchmarks.hard_cases.measures import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.readable import aligned
 

@@ -1,22 +1,31 @@
-"""Attempts of this project at the cases, by its public functions and by the time steppers that they
-use.
+"""Attempts at the cases by this project and by SciPy's integrators.
+
+This project's are made by its public functions and by the time steppers that they use. SciPy's
+integrators have fast right-hand sides in plain Python.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
+import math
 from functools import partial
+from typing import Any
+
+from scipy.integrate import ode, solve_ivp
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
 from bristle_sim.parameters import Contact
 from bristle_sim.passes.ensemble import ensemble
+from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import strike
 from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
+from bristle_sim.theory.cueing import field_stiffness
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 """Requested accuracies, from coarse to fine."""
@@ -28,7 +37,7 @@ PASSES = 4096
 """Number of passes that one attempt by ``ensemble`` computes at once."""
 
 
-def flight_attempts(case: Case) -> list[Attempt]:
+def own_flight(case: Case) -> list[Attempt]:
     """Return this project's attempts at a flight, by three methods.
 
     The methods are the public function ``simulate``, the extrapolation integrator alone, and equal
@@ -92,7 +101,7 @@ def flight_attempts(case: Case) -> list[Attempt]:
     ]
 
 
-def strike_attempts(case: StrikeCase) -> list[Attempt]:
+def own_strike(case: StrikeCase) -> list[Attempt]:
     """Return this project's attempts at a strike, by each of its three contact laws.
 
     The compliant law takes part with several accuracies.
@@ -111,7 +120,7 @@ def strike_attempts(case: StrikeCase) -> list[Attempt]:
     ]
 
 
-def pass_attempts(case: Case) -> list[Attempt]:
+def own_pass(case: Case) -> list[Attempt]:
     """Return this project's attempts at a pass, by ``simulate`` and by ``ensemble``.
 
     ``simulate`` computes one pass; ``ensemble`` computes many passes at once.
@@ -132,3 +141,77 @@ def pass_attempts(case: Case) -> list[Attempt]:
         *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES[:10]),
         *(dataclasses.replace(each, passes=PASSES) for each in blocks),
     ]
+
+
+TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
+"""Relative tolerances of SciPy's integrators, two to a decade, from 1e-2 to 1e-12."""
+
+MOST_STEPS = 100_000  # largest number of steps of a flight by an integrator of SciPy's ``ode``
+
+
+def scipy_flight(case: Case) -> list[Attempt]:
+    """Return attempts at a flight by the integrators of SciPy's ``solve_ivp`` and ``ode``.
+
+    The loop over time steps is Python code in ``solve_ivp`` and compiled code in ``ode``. They
+    solve I alpha'' = -k_T alpha - m r_h (L/2) omega^2 sin alpha for the bristle's angle alpha
+    relative to the hub. I is the bristle's moment of inertia about its root, k_T the belt's
+    stiffness, m and L are the bristle's mass and length, r_h is the hub's radius and omega its
+    angular velocity. Angle and angular velocity are divided by their largest values, since ``ode``
+    has one absolute tolerance for both.
+    """
+    retraction, highest = case.scale
+    scale = highest / retraction
+    inertia = case.tool.bristle.inertia_about_root
+    belt = case.tool.belt.stiffness / inertia / scale
+    centrifugal = field_stiffness(case.tool) / inertia / highest
+    start = (-1.0, 0.0)
+
+    def slope(_: float, state: Any) -> list[float]:
+        angle, rate = state.tolist()
+        # A list: before SciPy 1.17 the compiled code treats a tuple as several return values.
+        return [scale * rate, -belt * angle - centrifugal * math.sin(retraction * angle)]
+
+    def solved(method: str, tolerance: float) -> Run:
+        """Integrate the flight by a method of ``solve_ivp``."""
+        limits = {"rtol": tolerance, "atol": tolerance}
+        found = solve_ivp(slope, (0.0, case.duration), start, method=method, **limits)
+        return flown(found.y[:, -1], found.nfev)
+
+    def stepped(method: str, tolerance: float) -> Run:
+        """Integrate the flight by a compiled method of ``ode``, which counts no evaluations."""
+        calls = itertools.count()
+
+        def counted(time: float, state: Any) -> list[float]:
+            next(calls)
+            return slope(time, state)
+
+        solver = ode(counted).set_integrator(
+            method, rtol=tolerance, atol=tolerance, nsteps=MOST_STEPS
+        )
+        return flown(solver.set_initial_value(start).integrate(case.duration), next(calls))
+
+    def flown(state: Any, evaluations: int) -> Run:
+        return Run(tuple((state * case.scale).tolist()), evaluations)
+
+    methods = [
+        (f"scipy {each.lower()}", solved, each) for each in ("RK45", "DOP853", "LSODA", "Radau")
+    ]
+    methods += [(f"scipy ode {each}", stepped, each) for each in ("dopri5", "dop853")]
+    return [
+        attempt
+        for name, integrate, method in methods
+        for attempt in attempts(name, "rtol={:.3g}", partial(integrate, method), TOLERANCES)
+    ]
+
+
+def scipy_pass(case: Case) -> list[Attempt]:
+    """Return attempts at a pass by the project's independent reference solution.
+
+    The reference integrates with SciPy and locates all events on the integrator's dense output.
+    """
+
+    def passed(power: int) -> Run:
+        run = simulate_reference(case.tool, accuracy=10.0**-power, stop_after="strike")
+        return Run(state_at_strike(run), run.cost.steps)
+
+    return attempts("scipy dop853", "accuracy=1e-{:02d}", passed, range(2, 11))
