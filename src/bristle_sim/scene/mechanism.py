@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from bristle_sim.arrays import Array
 Vector = tuple[float, float]
 """Two real components: (x, y) in the engine, (normal, tangential) at a contact."""
 Complexes = NDArray[np.complex128]
+Times = TypeVar("Times", float, Array)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,10 +155,12 @@ class Mechanism:
         self.jointed = self.wire_links > 1
         self._known = deque(maxlen=3)
 
-    def root_angle(self, time: float, link: int = 0) -> float:
-        """Return the angle (rad), at a time, of the root of the wire that contains a link.
+    def root_angle(self, time: Times, link: int = 0) -> Times:
+        """Return the angle (rad) of the root of the wire that contains a link.
 
-        ``link`` is the link's index.
+        Args:
+            time: a time, or an array of times.
+            link: the link's index.
         """
         return self.hub_start + self.hub_speed * time - link // self.wire_links * self.pitch
 

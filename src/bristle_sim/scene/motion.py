@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
@@ -17,6 +17,9 @@ from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_force import follow_bodies
 from bristle_sim.scene.system import GAP_ROUNDING, MOST_GROWTH, System
 from bristle_sim.settings import StopReason
+
+# angle from the radial direction at which a bristle lies on the hub, rad
+RETRACTION_LIMIT = math.pi / 2.0
 
 LONGEST_TURN = 1.0
 """Longest interval, in radians of the fastest motion. The value of each event changes sign at most
@@ -64,6 +67,8 @@ class Motion:
             contact; infinite if no release is expected.
         before: result at the end of the last interval; None in the first interval.
         events: events that may end the motion, contact events first.
+        ordered: the rigid contacts.
+        springs: the contacts with springs.
     """
 
     contacts: tuple[ActiveContact, ...] = ()
@@ -74,16 +79,13 @@ class Motion:
     release_in: float = math.inf
     before: IntervalResult | None = None
     events: tuple[Event, ...] = ()
+    ordered: list[ActiveContact] = field(init=False)
+    springs: list[SpringContact] = field(init=False)
 
-    @property
-    def ordered(self) -> list[ActiveContact]:
-        """The rigid contacts."""
-        return [each for each in self.contacts if not isinstance(each, SpringContact)]
-
-    @property
-    def springs(self) -> list[SpringContact]:
-        """The contacts with springs."""
-        return [each for each in self.contacts if isinstance(each, SpringContact)]
+    def __post_init__(self) -> None:
+        """Select the rigid contacts and those with springs."""
+        self.springs = [each for each in self.contacts if isinstance(each, SpringContact)]
+        self.ordered = [each for each in self.contacts if each not in self.springs]
 
 
 def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
@@ -95,7 +97,6 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
     mechanism = system.mechanism
     hub_speed = mechanism.hub_speed
     effects = system.scene.effects
-    plan = system.plan
 
     def relative_rate(link: int, at: IntervalResult) -> float:
         return at.state.rates[link] - hub_speed
@@ -114,19 +115,17 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
     def left(link: int, at: IntervalResult) -> float:
         """Return the angle (rad) that is left until a wire's first link lies on the hub."""
         turned = at.state.angles[link] - mechanism.root_angle(at.state.time, link)
-        return plan.retraction_limit - abs(turned)
+        return RETRACTION_LIMIT - abs(turned)
 
     def gap(pair: ContactPair, at: IntervalResult) -> float:
         return system.closest(pair, at.state).gap
 
-    for wire in range(mechanism.wires):
+    for wire in range(0 if system.plan.single_contact else mechanism.wires):
         link = wire * mechanism.wire_links
-        if not plan.single_contact:
-            yield Event(Kind.LARGEST_RETRACTION, wire, partial(relative_rate, link), 1)
-            if not (in_contact or mechanism.jointed):  # a wire of several links vibrates
-                yield Event(Kind.HIGHEST_SPEED, wire, partial(acceleration, link))
-        if math.isfinite(plan.retraction_limit):
-            yield Event(Kind.RETRACTION_LIMIT, wire, partial(left, link))
+        yield Event(Kind.LARGEST_RETRACTION, wire, partial(relative_rate, link), 1)
+        if not (in_contact or mechanism.jointed):  # a wire of several links vibrates
+            yield Event(Kind.HIGHEST_SPEED, wire, partial(acceleration, link))
+        yield Event(Kind.RETRACTION_LIMIT, wire, partial(left, link))
     for number, pair in enumerate(system.pairs):
         if pair.dent:
             yield Event(Kind.DENT_LEFT, number, partial(gap, replace(pair, dent=0.0)), 1)

@@ -44,7 +44,7 @@ def trajectories_in_si(
         motion = columns(recording.states, slice(number * size, (number + 1) * size))
         time, angles, rates = motion
         line, velocity = mechanism.centre_line(*motion)
-        hub = mechanism.hub_start + mechanism.hub_speed * time
+        hub = mechanism.root_angle(time)
         kinetic, potential = energies(mechanism, scene.effects, motion)
         found.append(
             Trajectory(
@@ -107,16 +107,15 @@ def _events(
     found = [event for event, wires in recording.events if wire in wires]
     names = [event.name for event in found]
     strike = min([event.time for event in found if event.name == "strike"], default=math.inf)
-    turns = [event.time for event in found if event.name == LARGEST_RETRACTION]
+    before = lag[times <= strike]
+    turns = [each.time for each in found if each.name == LARGEST_RETRACTION and each.time <= strike]
     largest, time = max(
-        [(float(lag[np.searchsorted(times, turn)]), turn) for turn in turns if turn <= strike],
-        default=(0.0, math.nan),
+        [(lag[np.searchsorted(times, turn)], turn) for turn in turns], default=(-math.inf, math.nan)
     )
-    if largest <= 0.0 or largest < max(lag[0], lag[times <= strike][-1]):
-        time = math.nan
-    if recording.stop_reason is StopReason.EVENT and turns and turns[-1] == end:
-        time = end
-    found = [each for each in found if each.name != LARGEST_RETRACTION or each.time == time]
+    kept = [time] if largest >= max(before[0], before[-1], 0.0) else []
+    if recording.stop_reason is StopReason.EVENT:
+        kept.append(end)
+    found = [each for each in found if each.name != LARGEST_RETRACTION or each.time in kept]
     parts = {each.name for each in scene.effects.pairs}
     for name, absence in ABSENCES.items():
         if name.split()[0] in parts and absence not in names:
@@ -165,9 +164,8 @@ def energies(
     angular velocities of the samples, as returned by ``columns``.
     """
     time, angles, rates = motion
-    hub = mechanism.hub_start + mechanism.hub_speed * time
     kinetic = np.zeros(len(time))
-    potential = 0.5 * effects.stiffness * (angles[:, 0] - hub) ** 2
+    potential = 0.5 * effects.stiffness * (angles[:, 0] - mechanism.root_angle(time)) ** 2
     poses = mechanism.poses_at(time, angles.T, rates.T, np.exp)
     for link, pose, rate in zip(mechanism.links, poses, rates.T, strict=True):
         velocity = pose.velocity + 1j * rate * pose.to_centre

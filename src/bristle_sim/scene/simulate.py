@@ -27,6 +27,7 @@ from bristle_sim.scene.extrapolation import (
     damped_interval,
 )
 from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.motion import RETRACTION_LIMIT
 from bristle_sim.scene.results import trajectories_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.system import Plan, System
@@ -39,9 +40,6 @@ from bristle_sim.units import shown
 METHOD = "pymunk"
 ROW_METHOD = "pymunk, a row of bristles"
 REST_PERIODS = 3.0  # duration of a run on a hub at rest, in the bristle's periods of oscillation
-RETRACTION_LIMIT = (
-    math.pi / 2.0
-)  # angle from the radial direction at which a bristle lies on the hub, rad
 OVERLAP_ROUNDING = 1e-11
 """Largest overlap of bristle and obstacle that is accepted at the start as rounding error, as a
 fraction of the bristle's length."""
@@ -204,7 +202,6 @@ def prepare(
         longest_interval=2.0 * math.pi / samples_per_period(settings),
         damped_interval=damped_interval(scene),
         maximum_steps=settings.maximum_steps,
-        retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),
         scale=motion_scale(scene, start),
     )

@@ -50,7 +50,6 @@ class Plan:
         damped_interval: longest interval in which engine steps resolve damping.
         maximum_steps: largest number of engine steps; a step of a mechanism with many links counts
             several times.
-        retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less if
             hinges vibrate.
         scale: angular velocity to which the errors of the motion are relative, at most 1.
@@ -69,7 +68,6 @@ class Plan:
     longest_interval: float = math.inf
     damped_interval: float = math.inf
     maximum_steps: int = 1_000_000
-    retraction_limit: float = math.inf
     time_scale: float = 1.0
     scale: float = 1.0
     single_contact: bool = False

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from bristle_sim.scene.events import Happening, Kind
-from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.locate import Interval, first_change, locate, settle
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.motion import SHORTEST_INTERVAL, Motion
@@ -118,15 +117,12 @@ def _search_hop(
     closest = partial(system.closest, pair)
     touch = closest(interval.end.state)
     outside = touch.gap >= -GAP_ROUNDING
-    if outside or (touch.velocity[0] >= 0.0 and touch.gap >= closest(interval.start).gap):
+    at_start = closest(interval.start).gap
+    if outside or (touch.velocity[0] >= 0.0 and touch.gap >= at_start):
         return (interval, None) if shortened else None
-
-    def gap_at(at: IntervalResult) -> float:
-        return closest(at.state).gap
-
     gap = closest(interval.at(instant)).gap
     if gap <= 0.0 and instant < length:
-        gap = gap_at(integrate_to(instant))
+        gap = closest(integrate_to(instant).state).gap
     # A small rebound of a single rigid link has no effect. With several links, one link may rebound
     # while another is pressed on.
     low = (
@@ -134,7 +130,7 @@ def _search_hop(
         and system.law_of(pair).instantaneous
         and -system.plan.accuracy <= gap < 0.0
     )
-    if low or gap_at(interval.first) < -GAP_ROUNDING:
+    if low or at_start < -GAP_ROUNDING:
         end = interval.end if instant == length else integrate_to(instant)
         return interval.up_to(end), Happening(Kind.REST, pair)
     time = length
@@ -142,14 +138,16 @@ def _search_hop(
     while time > shortest and (above := closest(interval.at(time)).gap) < -GAP_ROUNDING:
         time = 0.5 * time
     if time < length and above > 0.0:
-        closed = settle(system, gap_at, interval, time, 2.0 * time, GAP_TOLERANCE)
+        ends = (time, 2.0 * time)
+        closed = settle(system, lambda at: closest(at.state).gap, interval, *ends, GAP_TOLERANCE)
         # A zero at the interval's start is no touch.
         if closed is not None and closest(closed.state).velocity[0] < 0.0:
             return interval.up_to(closed), Happening(Kind.TOUCH, pair)
-    while (gap := gap_at(integrate_to(time))) < -GAP_ROUNDING and time > shortest:
+    end = integrate_to(time)
+    while (gap := closest(end.state).gap) < -GAP_ROUNDING and time > shortest:
         time *= 0.5
-    rest = None if gap > GAP_ROUNDING else Happening(Kind.REST, pair)
-    return interval.up_to(integrate_to(time)), rest
+        end = integrate_to(time)
+    return interval.up_to(end), None if gap > GAP_ROUNDING else Happening(Kind.REST, pair)
 
 
 def _touch(
