@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -211,20 +212,20 @@ def end_compression(system: System, each: Compliant, state: State) -> State:
 
     If the coefficient of restitution is 0, the contact ends with its compression.
     """
-    each.deepest = each.level - system.at(state).touch(each.point).gap
     each.compression = each.sums
     if not each.law.restitution:
         return end_compliant_contact(system, each, state)
-    return change_phase(system, each, state)
+    return change_phase(system, each, each.level - system.at(state).touch(each.point).gap, state)
 
 
-def change_phase(system: System, each: Compliant, state: State) -> State:
+def change_phase(system: System, each: Compliant, deepest: float | None, state: State) -> State:
     """Change the normal spring of a contact from loading to unloading or back.
 
     The tangential force stays the same unless it would lie outside the new friction cone.
+    ``deepest`` is the penetration (m) from which the spring unloads; None if it is loaded.
     """
     _hold_foot(system, each, state)
-    each.loading = not each.loading
+    each.law = replace(each.law, deepest=deepest)
     return decide(system, state)
 
 

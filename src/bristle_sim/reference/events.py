@@ -229,7 +229,6 @@ def _spring_events(system: System, instant: Instant, each: Compliant) -> list[Ev
     force falls to zero, or it is loaded beyond the deepest penetration.
     """
     speed = ROUNDING * system.size * system.fastest
-    depth = max(ROUNDING * each.deepest, GAP_ROUNDING * system.size)
     # This exceeds the rounding of a gap; otherwise the contact would unload and load at one instant.
     deeper = ROUNDING * system.size
 
@@ -239,10 +238,13 @@ def _spring_events(system: System, instant: Instant, each: Compliant) -> list[Ev
     def excess(depth: float, at: Instant) -> float:
         return each.level - at.touch(each.point).gap - depth
 
-    if each.loading:
+    deepest = each.law.deepest
+    if deepest is None:
         return [Event(opening, 1, speed, partial(end_compression, system, each))]
-    residual = partial(excess, each.law.residual(each.deepest))
-    loads = Event(partial(excess, each.deepest), 1, deeper, partial(change_phase, system, each))
+    depth = max(ROUNDING * deepest, GAP_ROUNDING * system.size)
+    residual = partial(excess, each.law.residual)
+    follow = partial(change_phase, system, each, None)
+    loads = Event(partial(excess, deepest), 1, deeper, follow)
     return [
         Event(residual, -1, depth, partial(end_compliant_contact, system, each)),
         loads.ahead(instant),

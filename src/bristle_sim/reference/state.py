@@ -63,25 +63,21 @@ class Compliant(Sustained):
     """A sustained contact with a normal spring and, if the law has one, a tangential spring.
 
     Attributes:
-        law: stiffness, restitution and friction of the contact.
+        law: force law of the springs in the present phase.
         level: gap at which the contact began, m; penetration is measured from it. It is negative if
             the contact began in the dent of an earlier contact.
         anchor: coordinate of the tangential spring's foot along the surface while it sticks, m. The
             foot is the end of the spring at the workpart.
-        deepest: deepest penetration, m.
-        loading: whether the normal spring is in loading.
     """
 
     law: ContactSpring
     level: float
     anchor: float
-    deepest: float = 0.0
-    loading: bool = True
 
     @property
     def friction(self) -> float:
         """Coulomb's coefficient of friction: that of restitution while the spring unloads."""
-        return self.law.coefficient(loading=self.loading)
+        return self.law.coefficient
 
     @property
     def steepest(self) -> float:
@@ -95,7 +91,7 @@ class Compliant(Sustained):
 
     def force(self, gap: float) -> float:
         """Return the normal force (N) at a gap (m) from the original surface."""
-        return self.law.normal_force(self.level - gap, None if self.loading else self.deepest)
+        return self.law.normal_force(self.level - gap)
 
     def rub(self, touch: Touch) -> float | None:
         """Return the force of the tangential spring, N; None without a tangential spring."""
@@ -111,4 +107,4 @@ class Compliant(Sustained):
         Without a tangential spring it is the velocity of the contact point.
         """
         normal, tangential = touch.velocity.tolist()
-        return slip * self.law.foot_velocity((normal, tangential), slip, loading=self.loading)
+        return slip * self.law.foot_velocity((normal, tangential), slip)

@@ -174,7 +174,7 @@ def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact
     """
     for spring in motion.springs:
         spring.at_rest = False
-        if spring.loading and system.approach(spring.pair) > 0.0:
+        if spring.law.loading and system.approach(spring.pair) > 0.0:
             spring.unload(spring.penetration(system.closest, system.state))
         look_up_slip(system, motion, spring)
     return tuple(motion.springs)

@@ -285,7 +285,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         return system.closest(pair, state)
 
     def slip(at: IntervalResult) -> float:
-        return spring.slip * spring.foot_speed(touch(at.state).velocity)
+        return spring.slip * spring.law.foot_velocity(touch(at.state).velocity, spring.slip)
 
     def depth(at: IntervalResult) -> float:
         return spring.surface - touch(at.state).gap
@@ -323,11 +323,11 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         yield falls(Kind.REST_ENDS, value=partial(rest_margin, 0))
         yield falls(Kind.PRESSED_ON, value=partial(rest_margin, 1), tolerance=at_deepest)
         return
-    deepest = spring.deepest
+    deepest = spring.law.deepest
     if deepest is None:
         yield falls(Kind.COMPRESSION_ENDS, value=lambda at: -touch(at.state).velocity[0])
     else:
-        residual = spring.residual
+        residual = spring.law.residual
         yield falls(Kind.UNLOADED, value=lambda at: (depth(at) - residual) / duration)
         yield falls(
             Kind.PRESSED_ON,

@@ -135,7 +135,7 @@ def _snapshots(system: System, units: Units) -> Iterator[Snapshot]:
 def contact_state(contact: ActiveContact, units: Units) -> ContactState:
     """Return the state of a contact in SI units, with its last computed forces."""
     if isinstance(contact, SpringContact):
-        phase = "at rest" if contact.at_rest else "loading" if contact.loading else "unloading"
+        phase = "at rest" if contact.at_rest else "loading" if contact.law.loading else "unloading"
         mode = f"{phase}, {SLIDING[contact.slip]}"
     elif contact.slip is None:
         mode = "at rest" if contact.pair.friction else "frictionless"

@@ -74,7 +74,7 @@ class SpringContact(ActiveContact):
     spring if it is compliant along the surface.
 
     Attributes:
-        law: force law of the springs, in engine units.
+        law: force law of the springs in the present phase, in engine units.
         duration: predicted duration of the contact.
         predicted: outcome that the impact law predicts.
         finite_duration: whether the user has given the duration, so that the bodies move noticeably
@@ -83,7 +83,6 @@ class SpringContact(ActiveContact):
         surface: gap at the first touch; the penetration is this gap minus the present gap.
         inverse_mass: contact-space inverse mass matrix K, row by row, at the first touch or at the
             last update from the bodies.
-        deepest: penetration at which unloading began; None while the spring is being loaded.
         slip: sense of slip, 1 or -1; 0 in stick.
         at_rest: whether the phase is "slip at rest": the contact point slips while its normal
             velocity stays zero, under a friction force between the friction of compression and the
@@ -107,7 +106,6 @@ class SpringContact(ActiveContact):
     surface: float
     inverse_mass: tuple[Vector, Vector]
     start: State
-    deepest: float | None = None
     slip: int = 0
     at_rest: bool = False
     stick_force: float = 0.0
@@ -132,12 +130,12 @@ class SpringContact(ActiveContact):
 
     def begin_phase(self) -> None:
         """Record that a phase begins."""
-        self.phases.append(SpringPhase(self.loading, self.slip, self.impulse[0]))
+        self.phases.append(SpringPhase(self.law.loading, self.slip, self.impulse[0]))
 
     def unload(self, penetration: float) -> None:
         """End compression: the normal spring unloads from the given penetration on."""
         self.compression = (self.impulse, self.work)
-        self.deepest = penetration
+        self.law = replace(self.law, deepest=penetration)
 
     def phase_names(self, *, jams: bool) -> tuple[str, ...]:
         """Return the names of the phases in order, without those shorter than ``LEAST_PHASE``.
@@ -181,29 +179,14 @@ class SpringContact(ActiveContact):
         )
 
     @property
-    def loading(self) -> bool:
-        """Whether the normal spring is being loaded (True) or unloaded."""
-        return self.deepest is None
-
-    @property
     def jams(self) -> bool:
         """Whether the impact law predicts a jam that the contact has not reached yet."""
-        return self.predicted == Outcome.JAM and self.loading and self.stopped_at is None
+        return self.predicted == Outcome.JAM and self.law.loading and self.stopped_at is None
 
     @property
     def elastic(self) -> bool:
         """Whether there is a tangential spring."""
         return self.law.compliance > 0.0
-
-    @property
-    def friction(self) -> float:
-        """Coefficient of friction of the present phase, which is compression or restitution."""
-        return self.law.coefficient(loading=self.loading)
-
-    @property
-    def residual(self) -> float:
-        """Penetration at which the normal force returns to zero in unloading."""
-        return 0.0 if self.deepest is None else self.law.residual(self.deepest)
 
     @property
     def compliance_in_stick(self) -> float:
@@ -212,32 +195,27 @@ class SpringContact(ActiveContact):
         least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.duration, MOST_TURN) ** 2)
         return tangential if tangential > least * normal else 0.0
 
-    @property
-    def present_stiffness(self) -> float:
-        """Normal stiffness in the present phase; 0 in unloading without restitution."""
-        return self.law.stiffness * self.law.steepness(loading=self.loading)
-
     def forces(self, penetration: float) -> Vector:
         """Return the (normal, tangential) force at a penetration.
 
         The tangential force in stick is limited to the friction cone.
         """
-        normal = max(self.law.normal_force(penetration, self.deepest), 0.0)
-        if self.slip and not self.at_rest:
-            return normal, -self.friction * self.slip * normal
-        friction = (
-            max(self.law.friction, self.law.restitution_friction) if self.at_rest else self.friction
-        )
-        return normal, math.copysign(
-            min(abs(self.stick_force), friction * normal), self.stick_force
-        )
+        law = self.law
+        normal = max(law.normal_force(penetration), 0.0)
+        friction = law.coefficient
+        if self.at_rest:
+            friction = max(law.friction, law.restitution_friction)
+        elif self.slip:
+            return normal, -friction * self.slip * normal
+        limit = friction * normal
+        return normal, min(max(self.stick_force, -limit), limit)
 
     def spare_friction(self, penetration: float, stick_force: float) -> float:
         """Return the friction limit at a penetration minus the magnitude of ``stick_force``.
 
         It is negative if the contact point cannot stick.
         """
-        return self.friction * self.law.normal_force(penetration, self.deepest) - abs(stick_force)
+        return self.law.coefficient * self.law.normal_force(penetration) - abs(stick_force)
 
     def rest_margins(self, penetration: float, force: float) -> Vector:
         """Return the margins of the tangential force to its two limits in the phase "slip at rest".
@@ -249,11 +227,12 @@ class SpringContact(ActiveContact):
             of the surface.
             The margin to the friction of compression, at which it begins to move deeper.
         """
-        normal = self.law.normal_force(penetration, self.deepest)
+        law = self.law
+        normal = law.normal_force(penetration)
         friction = -self.slip * force
-        sense = math.copysign(1.0, self.law.restitution_friction - self.law.friction)
-        to_part = sense * (self.law.restitution_friction * normal - friction)
-        to_press = sense * (friction - self.law.friction * normal)
+        sense = math.copysign(1.0, law.restitution_friction - law.friction)
+        to_part = sense * (law.restitution_friction * normal - friction)
+        to_press = sense * (friction - law.friction * normal)
         return to_part, to_press
 
     @property
@@ -264,16 +243,8 @@ class SpringContact(ActiveContact):
         slow enough to be simulated.
         """
         law = self.law
-        rise = law.compliance * abs(law.restitution_friction - law.friction) * (self.deepest or 0.0)
+        rise = law.compliance * abs(law.restitution_friction - law.friction) * (law.deepest or 0.0)
         return rise / (SHORTEST_SWING * self.duration)
-
-    def foot_speed(self, velocity: Vector) -> float:
-        """Return the velocity at which the tangential spring's attachment slides along the surface.
-
-        Without a tangential spring it is the tangential component of ``velocity``, the velocity of
-        the contact point.
-        """
-        return self.law.foot_velocity(velocity, self.slip, loading=self.loading)
 
     def off_balance(self, velocity: Vector) -> float:
         """Return v_t + eta^2 v_n K_nt/K_tt for the (normal, tangential) velocity (v_n, v_t).

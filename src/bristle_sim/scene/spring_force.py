@@ -56,13 +56,14 @@ class SpringForce:
         push = self._push
         place_of = self._place
         velocity_of = self._velocity
-        stiffness = spring.present_stiffness
-        height = spring.surface - spring.residual - spring.pair.depth - spring.pair.dent
+        law = spring.law
+        stiffness = law.stiffness * law.steepness
+        height = spring.surface - law.residual - spring.pair.depth - spring.pair.dent
         foot = spring.foot
-        ratio = -spring.friction * spring.slip
+        ratio = -law.coefficient * spring.slip
         stop_slip = stop_normal = rigidity = 0.0
         if spring.elastic and not spring.slip:
-            rigidity = spring.law.stiffness / spring.law.compliance
+            rigidity = law.stiffness / law.compliance
         normal_gain, coupling = spring.inverse_mass[0]
         if spring.at_rest:
             ratio = -normal_gain / coupling

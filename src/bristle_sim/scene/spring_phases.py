@@ -6,6 +6,7 @@ Only :func:`bristle_sim.scene.run.decide` calls these functions.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact import Outcome, Sums, sums_of
@@ -93,7 +94,7 @@ def change_spring(
     Returns:
         The contact's outcome if it ends; None if it continues.
     """
-    before = (spring.loading, spring.slip)
+    before = (spring.law.loading, spring.slip)
     penetration = spring.penetration(system.closest, system.state)
     if spring.elastic:
         spring.stick_force = spring.forces(penetration)[1]
@@ -102,11 +103,12 @@ def change_spring(
         return outcome
     # Bodies that vibrate may press the contact point in a second time, so their contact is not
     # ended early.
-    quiet = not spring.loading and (system.mechanism.single_link or system.follows_law(spring))
-    least = LEAST_UNLOADING * ((spring.deepest or 0.0) - spring.residual)
-    if quiet and penetration - spring.residual < least:
+    law = spring.law
+    quiet = not law.loading and (system.mechanism.single_link or system.follows_law(spring))
+    least = LEAST_UNLOADING * ((law.deepest or 0.0) - law.residual)
+    if quiet and penetration - law.residual < least:
         return Outcome.REBOUND
-    turned = before != (spring.loading, spring.slip)
+    turned = before != (law.loading, spring.slip)
     if turned:
         spring.begin_phase()
     if spring.jams and (kind is Kind.BALANCED if spring.elastic else turned and not spring.slip):
@@ -124,7 +126,7 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         # The force of a tangential spring begins its next oscillation at the friction of compression.
         spring.at_rest = False
-        spring.deepest = penetration
+        spring.law = replace(spring.law, deepest=penetration)
         spring.stick_force = -spring.slip * spring.law.friction * spring.law.stiffness * penetration
     match kind:
         case Kind.COMPRESSION_ENDS:
@@ -141,7 +143,7 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
             return Outcome.STICTION if rebounds else Outcome(spring.predicted)
         case Kind.PRESSED_ON:
             spring.at_rest = False
-            spring.deepest = None
+            spring.law = replace(spring.law, deepest=None)
             if spring.elastic or not spring.slip:
                 _settle_slip(system, motion, spring)
         case Kind.CONE_REACHED:
@@ -152,13 +154,13 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
             if spring.elastic:
                 # The foot's velocity falls through zero, so the force returns from the cone's edge
                 # into the cone. Without friction the cone is a line, and the slip is reversed.
-                spring.slip = 0 if spring.friction else -sense
+                spring.slip = 0 if spring.law.coefficient else -sense
             stopped = not (spring.elastic or spring.slip) and _ends_in_stiction(system, spring)
             # With one degree of freedom slip and compression end together, except for the effect of
             # the motion during the contact.
             at_touch = -system.closest(spring.pair, spring.start).velocity[0]
             together = -system.approach(spring.pair) <= STOPS_TOGETHER * at_touch
-            if spring.loading and (stopped or together):
+            if spring.law.loading and (stopped or together):
                 return _end_compression(system, motion, spring)
     return None
 
@@ -205,7 +207,7 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
     spring.at_rest = True
     follow_bodies(system.scene, system.state, spring)
     mean = _probe(system, motion, spring)[1].tangential_at_start
-    holds = min(spring.rest_margins(spring.deepest or 0.0, mean)) > 0.0
+    holds = min(spring.rest_margins(law.deepest or 0.0, mean)) > 0.0
     spring.stick_force = mean if holds else before
     return holds
 
@@ -229,7 +231,7 @@ def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     probe, sums = _probe(system, motion, spring)
     spring.stick_force = force = sums.tangential_at_start
     penetration = spring.penetration(system.closest, system.state)
-    if spring.loading and not spring.impulse[0]:
+    if spring.law.loading and not spring.impulse[0]:
         # Both forces are zero at the first touch.
         force = sums.tangential
         penetration = spring.penetration(system.closest, probe.state)
@@ -253,14 +255,14 @@ def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
     touch = system.closest(pair, system.state)
     at_edge = spring.set_foot(spring.surface - touch.gap, system.along(pair, system.state))
     force = spring.stick_force
-    smooth = not spring.friction
+    smooth = not spring.law.coefficient
     driven = -force or touch.velocity[1]
     spring.slip = int(math.copysign(1.0, driven))
-    speed = spring.slip * spring.foot_speed(touch.velocity)
+    speed = spring.slip * spring.law.foot_velocity(touch.velocity, spring.slip)
     if at_edge and not smooth and abs(speed) <= system.slip_error(spring.start):
         probe, _ = _probe(system, motion, spring)
         later = system.closest(pair, probe.state)
-        speed = spring.slip * spring.foot_speed(later.velocity) - speed
+        speed = spring.slip * spring.law.foot_velocity(later.velocity, spring.slip) - speed
     if not (smooth or (at_edge and speed > 0.0)):
         spring.slip = 0
 
@@ -276,7 +278,8 @@ def _probe(system: System, motion: Motion, spring: SpringContact) -> tuple[Inter
     # If the last link is heavy, the time scale of slip, pi/sqrt(k K), is far below the contact's
     # duration.
     normal, coupling = spring.inverse_mass[0]
-    most = (normal + spring.friction * abs(coupling)) * spring.present_stiffness
+    law = spring.law
+    most = (normal + law.coefficient * abs(coupling)) * law.stiffness * law.steepness
     length = PROBED_FRACTION * min(spring.duration, math.pi / math.sqrt(most) if most else math.inf)
     probe = spring.stepper.advance(system.scene, system.state, length, load)
     index = 0 if motion.rigid is None else len(motion.rigid.closed)

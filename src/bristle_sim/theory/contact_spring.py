@@ -34,17 +34,20 @@ class ContactSpring:
         restitution_friction: Coulomb's coefficient of friction in unloading.
         compliance: ratio eta^2 of the normal to the tangential stiffness. With 0 there is no
             tangential spring: the contact is rigid along the surface.
+        deepest: penetration at which unloading began; None while the normal spring is loading.
 
     A spring with e* = 0.5 is loaded to a penetration of 0.5 and unloads to the residual 0.375:
 
+    >>> from dataclasses import replace
     >>> spring = ContactSpring(stiffness=1000.0, restitution=0.5, friction=0.3, restitution_friction=0.3)
     >>> spring.normal_force(0.25)
     250.0
-    >>> spring.residual(0.5)
+    >>> unloading = replace(spring, deepest=0.5)
+    >>> unloading.residual
     0.375
-    >>> spring.normal_force(0.5, deepest=0.5)
+    >>> unloading.normal_force(0.5)
     500.0
-    >>> spring.normal_force(0.375, deepest=0.5)
+    >>> unloading.normal_force(0.375)
     0.0
     """
 
@@ -53,50 +56,47 @@ class ContactSpring:
     friction: float
     restitution_friction: float
     compliance: float = 0.0
+    deepest: float | None = None
 
-    def residual(self, deepest: float) -> float:
-        """Return the penetration at which the normal force falls to 0 in unloading.
+    @property
+    def loading(self) -> bool:
+        """Whether the normal spring is being loaded (True) or unloaded."""
+        return self.deepest is None
 
-        ``deepest`` is the penetration at which unloading began.
-        """
-        return deepest * (1.0 - self.restitution**2)
+    @property
+    def residual(self) -> float:
+        """Penetration at which the normal force is 0: in unloading that of the dent."""
+        return 0.0 if self.deepest is None else self.deepest * (1.0 - self.restitution**2)
 
-    def steepness(self, *, loading: bool) -> float:
-        """Return the normal stiffness divided by that in loading.
+    @property
+    def steepness(self) -> float:
+        """Present normal stiffness divided by that in loading.
 
         This ratio kappa is 1 in loading and 1/e*^2 in unloading. Without restitution (e* = 0) it is
         0 in unloading, because there is no force.
         """
-        if loading:
+        if self.deepest is None:
             return 1.0
         return 1.0 / self.restitution**2 if self.restitution else 0.0
 
-    def normal_force(self, penetration: float, deepest: float | None = None) -> float:
-        """Return the normal force at a penetration.
+    @property
+    def coefficient(self) -> float:
+        """Coulomb's coefficient of friction in the present phase."""
+        return self.friction if self.deepest is None else self.restitution_friction
 
-        ``deepest`` is the penetration at which unloading began; None means that the spring is
-        loading.
-        """
-        loading = deepest is None
-        residual = 0.0 if deepest is None else self.residual(deepest)
-        return self.stiffness * self.steepness(loading=loading) * (penetration - residual)
+    def normal_force(self, penetration: float) -> float:
+        """Return the normal force at a penetration."""
+        return self.stiffness * self.steepness * (penetration - self.residual)
 
-    def coefficient(self, *, loading: bool) -> float:
-        """Return Coulomb's coefficient of friction in loading or in unloading."""
-        return self.friction if loading else self.restitution_friction
-
-    def foot_velocity(self, velocity: Vector, slip: int, *, loading: bool) -> float:
+    def foot_velocity(self, velocity: Vector, slip: int) -> float:
         """Return the velocity of the tangential spring's sliding foot along the surface.
+
+        Without a tangential spring it is the tangential velocity of the contact point.
 
         ``velocity`` is the (normal, tangential) velocity of the contact point. ``slip`` is the
         sense in which the foot slides, -1 or 1.
         """
-        stretching = (
-            self.coefficient(loading=loading)
-            * slip
-            * self.compliance
-            * self.steepness(loading=loading)
-        )
+        stretching = self.coefficient * slip * self.compliance * self.steepness
         return velocity[1] + stretching * velocity[0]
 
     def tangential_force(self, place: float, foot: float) -> float:
