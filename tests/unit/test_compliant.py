@@ -151,7 +151,28 @@ class TestCompliantContact:
         assert np.count_nonzero(at_rest) > 3
         assert friction[at_rest].min() >= surface.friction * (1.0 - 1e-6)
         assert friction[at_rest].max() <= surface.friction_in_restitution
+        # The last sample of compression alone has the friction of compression.
+        assert np.count_nonzero(friction[at_rest] < surface.friction * (1.0 + 1e-6)) == 1
         assert history.penetration[at_rest] == pytest.approx(history.penetration.max(), rel=1e-6)
+
+    def test_slip_does_not_stay_at_rest_where_later_friction_lets_the_tip_out(self) -> None:
+        """With mu_2 = 0.5 it still moves out of the surface; as in the law, the tangential spring sticks meanwhile."""
+        chain = Chain((2.472, 0.656), (1.0, 1.0), (0.286, 0.475), (0.644, -0.685))
+        law, in_time = (
+            strike(chain, Surface(0.435, 0.5, 0.205), Contact(*each, 0.05), Settings(1e-8)).contact
+            for each in (("energetic", None), ("compliant", 1e-4))
+        )
+        assert in_time.phases == law.phases
+
+    def test_stiction_ends_the_compression_of_a_rod_that_its_hub_still_presses_on(self) -> None:
+        """Slip and approach end together but for the turn in a contact of 1e-4."""
+        chain = Chain((1.0,), (1.0,), (-0.6,), (1.0,), 1.0, 0.3, -0.6)
+        surface = Surface(2.0, None, 0.5)
+        law = strike(chain, surface, Contact(), Settings()).contact
+        in_time = found(chain, surface, 1e-4)
+        assert in_time.outcome == law.outcome == "stiction"
+        assert in_time.phases == law.phases
+        assert in_time.impulse == pytest.approx(law.impulse, rel=1e-4)
 
     @pytest.mark.parametrize("duration", [1e-5, 1e-2, 0.1])
     @pytest.mark.parametrize(("friction", "later"), [(2.0, 2.0), (0.3, 5.0)])
@@ -395,3 +416,27 @@ def test_slip_at_rest_ends_where_its_friction_leaves_both_coefficients(
     reached = IntervalResult(moved, totals=tuple(sums))
     events = contact_events(system, [spring], None)
     assert {event.kind for event in events if event.value(reached) < 0.0} == kinds
+
+
+def test_a_jam_is_reached_in_compression_and_once() -> None:
+    """Slip that stops in restitution is none; nor is the second stop of a contact in which the bodies move on."""
+    rod, surface = TestStick.JAMMED
+    scene, state, pair, _ = build_strike(rod, surface)
+    springs = [CompliantLaw(1e-3, 1e-6).spring(scene, state, pair) for _ in range(3)]
+    fresh, unloading, stopped = [spring for spring in springs if spring is not None]
+    unloading.unload(1e-6)
+    stopped.stopped_at = (state, (0.0, 0.0), (0.0, 0.0), 0, 0)
+    assert [spring.jams for spring in (fresh, unloading, stopped)] == [True, False, False]
+
+
+@pytest.mark.parametrize(("slope", "sticks"), [(2e-3, True), (0.5e-3, False)])
+def test_a_tip_that_moves_along_its_normal_but_for_a_milliradian_cannot_stick(
+    slope: float, sticks: bool
+) -> None:
+    """However long the contact, of one radian here: K_tt = 3 slope^2 for a rod that lies along the surface."""
+    chain = Chain((1.0,), (1.0,), (-(0.5 * math.pi - slope),), (1.0,))
+    scene, state, pair, _ = build_strike(chain, ROUGH)
+    spring = CompliantLaw(1.0, 1e-6).spring(scene, state, pair)
+    assert spring is not None
+    expected = 3.0 * slope**2 if sticks else 0.0
+    assert spring.compliance_in_stick == pytest.approx(expected, rel=1e-5)
