@@ -1,0 +1,95 @@
+"""Which contacts begin, stay and end after an event."""
+
+from cmath import rect
+
+import numpy as np
+import pytest
+
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.contact import ActiveContact, sums_of
+from bristle_sim.scene.events import Happening, Kind
+from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.motion import Motion, integrate
+from bristle_sim.scene.pairs import BarPair, WorkpartPair
+from bristle_sim.scene.run import decide, first_motion
+from bristle_sim.scene.system import Plan, System
+from bristle_sim.settings import StopReason
+
+
+def bent_wire() -> tuple[System, BarPair, BarPair, WorkpartPair]:
+    """Two rods that a bar meets at their hinge, and whose tip lies on the workpart; pairs of both rods and of the tip."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)))
+    state = State(0.0, (0.4, -0.4), (1.0, 0.3))
+    joint, tip = mechanism.poses(state)[1].corners
+    lower, upper = (BarPair(joint + 0.2, 0.15, 0.05, 0.0, 0.5, link=link) for link in (0, 1))
+    part = WorkpartPair(-tip.imag, 0.1, 0.1, 0.5, link=1)
+    scene = Scene(mechanism, Effects(pairs=(lower, upper, part)))
+    return System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9)), lower, upper, part
+
+
+def test_a_touch_at_a_hinge_is_one_of_the_link_nearer_the_root() -> None:
+    system, _, upper, _ = bent_wire()
+    decide(system, Motion(), Happening(Kind.TOUCH, upper))
+    assert [links for _, links in system.recording.contacts] == [(0,)]
+
+
+def test_a_tip_that_parts_still_parts_as_another_contact_passes_to_the_next_link() -> None:
+    system, lower, upper, part = bent_wire()
+    contact = ActiveContact(lower, slip=1)
+    motion = decide(
+        system, Motion((contact,), (part,)), Happening(Kind.HAND_OVER, (contact, upper))
+    )
+    assert [each.pair for each in motion.contacts] == [upper]
+    assert motion.separating == (part,)
+
+
+def test_a_tip_that_parts_still_parts_as_another_contact_is_released() -> None:
+    system, lower, _, part = bent_wire()
+    contact = ActiveContact(lower, slip=1)
+    motion = decide(system, Motion((contact,), (part,)), Happening(Kind.RELEASE, (contact,)))
+    assert motion.contacts == ()
+    assert motion.separating == (part, lower)
+
+
+def test_a_tip_that_comes_to_rest_parts_no_more_and_leaves_other_contacts() -> None:
+    system, lower, _, part = bent_wire()
+    contact = ActiveContact(lower, slip=1)
+    motion = decide(system, Motion((contact,), (part,)), Happening(Kind.REST, part))
+    assert [each.pair for each in motion.contacts] == [lower, part]
+    assert motion.separating == ()
+
+
+def test_a_spring_pushes_while_a_rigid_contact_lasts() -> None:
+    """The second rod turns; it presses the first one against a bar on its left, and its tip on the workpart."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)))
+    state = State(0.0, (0.4, -0.4), (0.0, 0.3))
+    joint, tip = mechanism.poses(state)[1].corners
+    bar = BarPair(0.5 * joint - rect(0.2, 0.4), 0.15, 0.05, 0.0, 0.5, link=0)
+    part = WorkpartPair(-tip.imag, 0.1, 0.1, 0.5, link=1)
+    scene = Scene(mechanism, Effects(pairs=(bar, part)))
+    law = CompliantLaw(1e-3, 1e-6)
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9), law=law)
+    motion = decide(system, Motion((ActiveContact(bar),)), Happening(Kind.TOUCH, part))
+    assert [each.pair for each in motion.contacts] == [bar, part]
+    results = (integrate(system, motion) for _ in range(20))
+    interval, event = next(each for each in results if each != (None, None))
+    assert event is None
+    assert interval is not None
+    forces = [sums_of(interval.end.totals, index).normal for index in (0, 1)]
+    assert min(forces) > 0.0
+
+
+def test_a_run_that_its_first_touch_stops_has_no_other() -> None:
+    """A level rod is wedged between a plane under its tip and a bar above its middle, and approaches both."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 1.0, np.pi / 2.0)
+    tip = WorkpartPair(0.0, 0.0, 0.0, 0.5)
+    bar = BarPair(1.5 + 0.2j, 0.15, 0.05, 0.0, 0.5)
+    scene = Scene(mechanism, Effects(pairs=(tip, bar)))
+    state = State(0.0, (np.pi / 2.0,), (-1.2,))
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9))
+    assert [system.approach(pair) for pair in (tip, bar)] == pytest.approx([-0.2, -0.4])
+    first_motion(system)
+    assert system.recording.stop_reason is StopReason.JAM
+    assert [event.name for event, _ in system.recording.events] == ["strike", "jam"]
