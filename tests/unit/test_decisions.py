@@ -13,7 +13,7 @@ from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.motion import Motion, integrate
 from bristle_sim.scene.pairs import BarPair, WorkpartPair
-from bristle_sim.scene.run import decide, first_motion
+from bristle_sim.scene.run import begin_motion, decide, first_motion
 from bristle_sim.scene.system import Plan, System
 from bristle_sim.settings import StopReason
 
@@ -93,3 +93,37 @@ def test_a_run_that_its_first_touch_stops_has_no_other() -> None:
     first_motion(system)
     assert system.recording.stop_reason is StopReason.JAM
     assert [event.name for event, _ in system.recording.events] == ["strike", "jam"]
+
+
+def test_the_shortest_contact_sets_the_pace() -> None:
+    system, _, _, part = bent_wire()
+    other = WorkpartPair(part.depth, 0.1, 0.1, 0.5, link=1)
+    state = system.state._replace(rates=(0.0, 0.3))
+    slow, fast = (
+        CompliantLaw(duration, 1e-6).spring(system.scene, state, pair)
+        for duration, pair in ((1e-3, part), (1e-4, other))
+    )
+    assert slow is not None
+    assert fast is not None
+    for springs in ((slow, fast), (fast, slow)):
+        begin_motion(system, Motion(springs))
+        assert system.stepper is fast.stepper
+
+
+@pytest.mark.parametrize(
+    ("links", "touches", "listed"), [(1, False, True), (1, True, False), (2, False, False)]
+)
+def test_the_highest_speed_is_an_event_of_a_rigid_bristle_in_flight(
+    links: int, touches: bool, listed: bool
+) -> None:
+    """A wire of several links vibrates, and in contact the speed is not that of the equation of flight."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0),) * links)
+    state = State(0.0, (0.4,) * links, (0.3,) * links)
+    tip = mechanism.poses(state)[-1].corners[-1]
+    part = WorkpartPair(-tip.imag, 0.1, 0.1, 0.5)
+    scene = Scene(mechanism, Effects(stiffness=0.3, pairs=(part,)))
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9))
+    motion = begin_motion(system, Motion((ActiveContact(part),) if touches else ()))
+    kinds = [event.kind for event in motion.events]
+    assert Kind.LARGEST_RETRACTION in kinds
+    assert (Kind.HIGHEST_SPEED in kinds) == listed
