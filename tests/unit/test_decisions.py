@@ -1,5 +1,6 @@
 """Which contacts begin, stay and end after an event."""
 
+import math
 from cmath import rect
 
 import numpy as np
@@ -14,7 +15,9 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.motion import Motion, integrate
 from bristle_sim.scene.pairs import BarPair, WorkpartPair
 from bristle_sim.scene.run import begin_motion, decide, first_motion
-from bristle_sim.scene.system import Plan, System
+from bristle_sim.scene.spring import SpringContact
+from bristle_sim.scene.spring_phases import pressed_on
+from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
 from bristle_sim.settings import StopReason
 
 
@@ -127,3 +130,64 @@ def test_the_highest_speed_is_an_event_of_a_rigid_bristle_in_flight(
     kinds = [event.kind for event in motion.events]
     assert Kind.LARGEST_RETRACTION in kinds
     assert (Kind.HIGHEST_SPEED in kinds) == listed
+
+
+def test_a_contact_that_friction_locks_stops_the_run_beside_one_that_slips() -> None:
+    """Friction of 4 locks the first rod's end in one sense of slip, whatever the tip of the second one does."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)))
+    state = State(0.0, (0.4, 0.9), (0.3, -0.2))
+    ends = [pose.corners[-1].imag for pose in mechanism.poses(state)]
+    pairs = [
+        WorkpartPair(-end, friction, friction, 0.5, link=link)
+        for link, (end, friction) in enumerate(zip(ends, (4.0, 0.0), strict=True))
+    ]
+    reasons = []
+    for slip in (1, -1):
+        scene = Scene(mechanism, Effects(pairs=tuple(pairs)))
+        system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9))
+        begin_motion(system, Motion((ActiveContact(pairs[0], slip=slip), ActiveContact(pairs[1]))))
+        reasons.append(system.recording.stop_reason)
+    assert reasons == [StopReason.JAM, None]
+
+
+def test_a_low_hop_of_a_wire_on_a_surface_with_springs_ends_in_a_spring() -> None:
+    system, _, _, part = bent_wire()
+    system.law = CompliantLaw(1e-3, 1e-6)
+    system.state = system.state._replace(rates=(0.0, 0.3))
+    motion = decide(system, Motion(), Happening(Kind.REST, part))
+    assert [type(contact) for contact in motion.contacts] == [SpringContact]
+
+
+def pressed_rod(speed: float) -> tuple[System, WorkpartPair, ActiveContact]:
+    """A rod that a belt presses on the workpart, and a contact of it with a bar beside it.
+
+    The tip approaches at ``speed`` times the least speed of an impact with restitution.
+    """
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 1.0, 0.3)
+    pose = mechanism.poses(State(0.0, (0.9,), (0.0,)))[0]
+    slow = SLOW_FRACTION * mechanism.speed_bound(State(0.0, (0.9,), (0.0,)))
+    rate = -(pose.velocity.imag + speed * slow) / math.sin(0.9)
+    part = WorkpartPair(-pose.corners[-1].imag, 0.1, 0.1, 0.5)
+    bar = BarPair(0.5 * sum(pose.corners) + rect(0.21, 0.9), 0.15, 0.05, 0.0, 0.5)
+    scene = Scene(mechanism, Effects(stiffness=0.3, pairs=(part, bar)))
+    law = CompliantLaw(1e-3, 1e-6, stiffness=1e6)
+    state = State(0.0, (0.9,), (rate,))
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9), law=law)
+    return system, part, ActiveContact(bar)
+
+
+@pytest.mark.parametrize(("speed", "kind"), [(0.5, ActiveContact), (5.0, SpringContact)])
+def test_a_touch_slower_than_the_least_speed_begins_no_spring(
+    speed: float, kind: type[ActiveContact]
+) -> None:
+    system, part, _ = pressed_rod(speed)
+    motion = decide(system, Motion(), Happening(Kind.TOUCH, part))
+    assert [type(contact) for contact in motion.contacts] == [kind]
+
+
+def test_a_resting_tip_is_pressed_on_by_the_belt_alone() -> None:
+    """The force of another contact of the wire is not known before the spring's."""
+    system, part, bar = pressed_rod(0.0)
+    spring = pressed_on(system, Motion(), part)
+    assert isinstance(spring, SpringContact)
+    assert pressed_on(system, Motion((bar,)), part) is None

@@ -233,13 +233,12 @@ def _contact_begun(
     """
     law = system.law_of(pair)
     began = None
-    if all(contact.pair is not pair for contact in motion.contacts):
-        if rests and not (system.mechanism.single_link or law.finite_duration):
-            # Coupled links would excite each other's small rebounds without end. Instead all
-            # touching links come to rest together.
-            began = ActiveContact(pair)
-        elif not law.instantaneous and -system.approach(pair) > system.slow:
-            began = begin_spring(system, motion, pair)
+    if rests and not (system.mechanism.single_link or law.finite_duration):
+        # Coupled links would excite each other's small rebounds without end. Instead all touching
+        # links come to rest together.
+        began = ActiveContact(pair)
+    elif not law.instantaneous and -system.approach(pair) > system.slow:
+        began = begin_spring(system, motion, pair)
     if began is None:
         return None
     system.event(name, system.wires_of(pair), lasts=isinstance(began, SpringContact))
