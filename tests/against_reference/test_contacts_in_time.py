@@ -221,6 +221,7 @@ def test_in_a_row() -> None:
     exact = simulate_row_reference(timed(1e-4), hub_turn=1.6, accuracy=1e-9, **row)
     for run, other in zip(runs, exact, strict=True):
         assert len(touches(run)) >= 1
+        assert run.event_time("strike") == touches(run)[0]
         assert touches(run) == pytest.approx(touches(other), abs=10.0 * ACCURACY * 1e-3)
 
 

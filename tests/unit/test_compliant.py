@@ -230,6 +230,9 @@ def test_record_of_a_contact_resolved_in_time(restitution: float) -> None:
     surface = Surface(0.3, None, restitution)
     limit = strike(chain, surface, Contact(), Settings()).contact
     found = strike(chain, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
+    assert found.history is not None
+    released = found.history.normal_force[-1] == found.history.tangential_force[-1] == 0.0
+    assert released == (restitution > 0.0)
     for name in (
         "compressive_impulse",
         "compressive_work",
