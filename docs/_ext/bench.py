@@ -22,7 +22,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from bristle_sim.cli.explore import bench, searches
 from bristle_sim.cli.explore.server import Server
-from bristle_sim.cli.scenario import main_scenario
+from bristle_sim.cli.scenario import assigned, main_scenario
 
 SIZE = {"width": 1280, "height": 820}
 
@@ -65,11 +65,12 @@ class BenchDirective(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Return the address, the answer, and the picture if one is requested."""
-        assignments, pass_of = self.options.get("set", "").split(), main_scenario()
+        pass_of = main_scenario()
+        typed = assigned("set", self.options.get("set", "").split())
         if "radial" in self.options:
-            found = searches.radial_bar(pass_of, assignments)
-            assignments += [f"{key}={value}" for key, value in found["assignments"].items()]
-        found = bench.run_of(pass_of, assignments)
+            typed |= searches.radial_bar(pass_of, typed)["assignments"]
+        assignments = [f"{key}={value}" for key, value in typed.items()]
+        found = bench.run_of(pass_of, typed, {})
         address = "/?" + "&".join(assignments) if assignments else "/"
         shown: list[nodes.Node] = [nodes.literal_block(address, address, language="text")]
         shown.append(nodes.paragraph(text=found["answer"], classes=["answer"]))

@@ -185,11 +185,11 @@ def test_the_value_none_that_a_list_of_keys_shows_can_be_typed():
         scenario = load_scenario(script_paths()[name])
         for key, declared in scenario.keys().items():
             if declared.optional:
-                values = scenario.values_of([f"{key}=none"])
+                values = scenario.values_of({key: "none"})
                 assert values[key] is None
                 assert declared.default is None or key in scenario.defaults
     with pytest.raises(ValueError, match="wire_diameter = 'none': must be a finite number"):
-        load_scenario(script_paths()["cue_and_impact"]).values_of(["wire_diameter=none"])
+        load_scenario(script_paths()["cue_and_impact"]).values_of({"wire_diameter": "none"})
 
 
 def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str], tmp_path: Path):

@@ -12,7 +12,7 @@ import pytest
 
 import bristle_sim as bs
 from bristle_sim.cli import command
-from bristle_sim.cli.explore.bench import assignments_of, run_of
+from bristle_sim.cli.explore.bench import run_of, typed_of
 from bristle_sim.cli.scenario import main_scenario
 
 EVERYDAY = [(2500.0, 40.0, 1.0), (3400.0, 30.0, 1.0)]
@@ -71,5 +71,5 @@ def test_a_tool_that_was_found_runs_everywhere(
     assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert command.main(["compare", file, file]) == 0
     scenario = main_scenario()
-    found = run_of(scenario, assignments_of(bs.read_tool(file), scenario))
+    found = run_of(scenario, typed_of(bs.read_tool(file), scenario), {})
     assert ", radial, " in found["answer"]

@@ -68,7 +68,7 @@ class Client:
 
 @pytest.fixture(scope="module")
 def client() -> Iterator[Client]:
-    server = Server(["friction=0.4"])
+    server = Server({"friction": "0.4"})
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
     yield Client(server.server_port)
@@ -223,7 +223,7 @@ def test_the_surface_of_the_present_tool_is_drawn(client: Any) -> None:
 @pytest.mark.parametrize("name", bench.PRESETS)
 def test_the_tools_of_the_list_strike(client: Any, name: str) -> None:
     """Their names state length and speed; all but the dissertation's strike radially, with bars to a hundredth of a millimetre."""
-    defaults = {each["key"]: each["preset"] for each in bench.knobs(main_scenario(), [])}
+    defaults = {each["key"]: each["preset"] for each in bench.knobs(main_scenario(), {})}
     keys = dict(urllib.parse.parse_qsl(bench.PRESETS[name]))
     length, speed = re.findall(r"(\d+) (?:mm|rpm)", name)
     assert keys.get("bristle_length", defaults["bristle_length"]) == f"{length} mm"
@@ -233,8 +233,8 @@ def test_the_tools_of_the_list_strike(client: Any, name: str) -> None:
     assert abs(lag) < (3.0 if not keys else 0.1)
 
 
-SLOW = ["wire_links=16", "accuracy=1e-10"]
-"""Assignments of a run that takes longer than these tests wait for it."""
+SLOW = {"wire_links": "16", "accuracy": "1e-10"}
+"""Values of a run that takes longer than these tests wait for it."""
 
 
 def running(workers: Workers) -> Worker:
@@ -248,9 +248,9 @@ def test_a_newer_run_of_the_page_stops_the_older_one(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(worker_module, "GRACE", 600.0)
     workers = Workers()
     with ThreadPoolExecutor(1) as pool:
-        older = pool.submit(workers.answer, "page", "run", SLOW)
+        older = pool.submit(workers.answer, "page", "run", SLOW, {})
         ended = running(workers)
-        assert workers.answer("page", "run", ["accuracy=1e-3"])["answer"].startswith(
+        assert workers.answer("page", "run", {"accuracy": "1e-3"}, {})["answer"].startswith(
             "The bristle strikes at "
         )
         assert older.result() == {"error": "stopped by a newer run"}
@@ -261,14 +261,14 @@ def test_a_newer_run_of_the_page_stops_the_older_one(monkeypatch: pytest.MonkeyP
 def test_a_run_that_takes_too_long_or_dies_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     workers = Workers()
     with ThreadPoolExecutor(1) as pool:
-        lost = pool.submit(workers.answer, "page", "run", SLOW)
+        lost = pool.submit(workers.answer, "page", "run", SLOW, {})
         running(workers)._process.kill()
         assert "the process that computed this ended with status" in lost.result()["error"]
     monkeypatch.setattr(worker_module, "TIME_LIMIT", 0.2)
-    assert workers.answer("", "run", SLOW)["error"].startswith("not done in 0.2 s; ")
+    assert workers.answer("", "run", SLOW, {})["error"].startswith("not done in 0.2 s; ")
     monkeypatch.setattr(workers, "_free", threading.BoundedSemaphore(1))
     with workers._free:
-        assert "the server is busy" in workers.answer("", "run", [])["error"]
+        assert "the server is busy" in workers.answer("", "run", {}, {})["error"]
 
 
 def test_a_worker_has_one_thread_of_linear_algebra() -> None:
@@ -286,7 +286,7 @@ def test_a_worker_ends_with_its_server() -> None:
     """In the middle of a run too: the server is killed, which leaves it no time to end anything."""
     program = (
         "from bristle_sim.cli.explore.worker import Worker\nworker = Worker()\nprint(worker._process.pid, flush=True)\n"
-        f"worker.answer('run', [{SLOW}])"
+        f"worker.answer('run', [{SLOW}, {{}}])"
     )
     with subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
@@ -303,7 +303,7 @@ def test_a_program_of_any_form_may_start_a_worker(tmp_path: Path, from_file: boo
     """Without a guard, and without a file; the worker does not run it again."""
     program = (
         "from bristle_sim.cli.explore.worker import Worker\n"
-        "print('once')\nprint(Worker().answer('run', ([],))['answer'])"
+        "print('once')\nprint(Worker().answer('run', ({}, {}))['answer'])"
     )
     file = tmp_path / "program.py"
     file.write_text(program)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
 from bristle_sim.benchmarks.accuracy_cost.study import TARGETS
 from bristle_sim.cli import Scenario
-from bristle_sim.cli.scenario import load_scenario, script_paths
+from bristle_sim.cli.scenario import assigned, load_scenario, script_paths
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.render.colours import PURPLE
 from bristle_sim.render.cost_figure import LEAST, cost_figure, verdict
@@ -74,7 +74,9 @@ def drawn(name: str, assignments: str, film: bool = False) -> Figure:
     declared = scenario(name)
     draw = declared.film if film else declared.plot
     assert draw is not None
-    made = draw(declared.run(**declared.built(declared.values_of(assignments.split()))))
+    made = draw(
+        declared.run(**declared.built(declared.values_of(assigned("--set", assignments.split()))))
+    )
     return made.figure if film else made
 
 

@@ -33,6 +33,7 @@ from bristle_sim.cli.scenario import (
     Columns,
     Scenario,
     Values,
+    assigned,
     build_parameters,
     load_scenario,
     main_scenario,
@@ -171,13 +172,20 @@ def run_scenario(
             if options.list_keys:
                 print_line(scenario.key_list())
                 return 0
+            typed = dict[str, Any]()
             if options.parameters is not None:
-                from_file, remarks = scenario.assignments_from(options.parameters)
-                options.set = [*from_file, *options.set]
-            values = scenario.values_of(options.set)
-            remarks += scenario.warnings_of(options.set, values)
+                typed, remarks = scenario.typed_in(options.parameters)
+            typed |= assigned("--set", options.set)
+            values = scenario.values_of(typed)
+            remarks += scenario.warnings_of(typed, values)
             targets = targets_of(options, scenario, values)
-            status = _carry_out(scenario, options, values, targets, command)
+            if options.sweep:
+                from bristle_sim.cli.sweep import run_sweep
+
+                run_sweep(scenario, options, typed, targets)
+                status = 0
+            else:
+                status = _carry_out(scenario, options, values, targets, command)
         except (ValueError, OSError) as error:
             print_error(f"{program}: error: {'; '.join([' '.join(str(error).split()), *remarks])}")
             return BAD_INPUT
@@ -204,11 +212,6 @@ def _carry_out(
         OSError: if a file cannot be written.
         KeyboardInterrupt: after an interruption. The results of finished parts are delivered.
     """
-    if options.sweep:
-        from bristle_sim.cli.sweep import run_sweep
-
-        run_sweep(scenario, options, targets)
-        return 0
     try:
         report = scenario.run(**scenario.built(values))
     except Unfinished as interruption:

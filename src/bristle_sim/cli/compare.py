@@ -42,7 +42,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     options = parser.parse_args(arguments)
     names = [Path(options.first).stem, Path(options.second).stem]
     tools = [
-        pass_of.values_of(pass_of.assignments_from(path, name)[0])
+        pass_of.values_of(pass_of.typed_in(path, name)[0])
         for name, path in (("A.toml", options.first), ("B.toml", options.second))
     ]
     targets = targets_of(options, pass_of, tools[0])

@@ -14,7 +14,7 @@ from pathlib import Path
 from bristle_sim.cli.command import MISSED
 from bristle_sim.cli.options import Content, add_options, deliver, targets_of
 from bristle_sim.cli.output import json_of, print_error
-from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.cli.scenario import Scenario, assigned, build_parameters
 from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.readable import aligned, readable_unit
 from bristle_sim.studies.design import Design, design
@@ -49,14 +49,14 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     parser.add_argument("--maximize", metavar="QUANTITY", default="")
     add_options(parser, "set", "parameters", "write-tool", "json", "plot")
     options = parser.parse_args(arguments)
-    given = [] if options.parameters is None else pass_of.assignments_from(options.parameters)[0]
-    values = pass_of.values_of([*given, *options.set])
+    given = {} if options.parameters is None else pass_of.typed_in(options.parameters)[0]
+    values = pass_of.values_of(given | assigned("--set", options.set))
     targets = targets_of(options, pass_of, values)
     found = design(
         build_parameters(Tool, values),
-        want=_pairs("--want", options.want),
-        vary=_pairs("--vary", options.vary),
-        at_most=_pairs("--max", options.max),
+        want=assigned("--want", options.want),
+        vary=assigned("--vary", options.vary),
+        at_most=assigned("--max", options.max),
         minimize=options.minimize,
         maximize=options.maximize,
     )
@@ -89,20 +89,6 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     lines = [found.answer, *found.remarks, "", *_table(found)]
     deliver(options, targets, made | {"json": text}, "\n".join(lines))
     return MISSED if found.conflict else 0
-
-
-def _pairs(option: str, assignments: Sequence[str]) -> dict[str, str]:
-    """Split texts NAME=VALUE, and return the values by name, as texts.
-
-    ``option`` is the name of the option in messages.
-    """
-    found = {}
-    for assignment in assignments:
-        name, equals, text = assignment.partition("=")
-        if not equals or name in found:
-            raise ValueError(f"{option} {assignment!r}: must be NAME=VALUE, each name once")
-        found[name] = text
-    return found
 
 
 def _table(found: Design) -> list[str]:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from bristle_sim.cli.options import add_options, deliver, targets_of
 from bristle_sim.cli.output import json_of
-from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.cli.scenario import Scenario, assigned, build_parameters
 from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.readable import aligned
 from bristle_sim.studies.limits import limits_in_words
@@ -38,7 +38,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     add_options(parser, "set", "json")
     options = parser.parse_args(arguments)
     key, _, ends = options.range.partition("=")
-    values = pass_of.values_of(options.set)
+    values = pass_of.values_of(assigned("--set", options.set))
     targets = targets_of(options, pass_of, values)
     answer, changes = limits_in_words(build_parameters(Tool, values), key, ends)
     text = json_of("limits", answer, values, changes=[dataclasses.asdict(each) for each in changes])

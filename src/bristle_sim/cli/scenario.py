@@ -100,15 +100,12 @@ class Scenario:
             found[key] = dataclasses.replace(found[key], highest=limit, meaning=words)
         return found
 
-    def values_of(
-        self, assignments: Sequence[str], numbers: Mapping[str, float] | None = None
-    ) -> dict[str, Any]:
+    def values_of(self, typed: Values) -> dict[str, Any]:
         """Return the value of every parameter, by key.
 
         Args:
-            assignments: texts ``KEY=VALUE``; if a key occurs twice, the last text counts. The value
-                ``none`` leaves out a parameter that may be absent.
-            numbers: values in SI units by key; they override the assignments.
+            typed: texts or numbers in SI units, by key. The text ``none`` leaves out a parameter
+                that may be absent.
 
         Returns:
             The values. A parameter that is not set has its default.
@@ -118,18 +115,12 @@ class Scenario:
                 because of another key's value.
         """
         keys = self.keys()
-        typed = dict[str, Any]()
-        for assignment in assignments:
-            key, equals, text = assignment.partition("=")
-            if not equals:
-                raise ValueError(f"--set {assignment!r}: must be KEY=VALUE")
+        for key, given in typed.items():
             if key not in keys:
                 advice = likely_key(key, keys, "--list-keys shows all keys")
-                raise ValueError(f"--set {assignment!r}: unknown key {key!r}; {advice}")
-            typed[key] = keys[key].read(text)
-        for key, number in (numbers or {}).items():
-            typed[key] = keys[key].check(number)
-        values = {key: declared.default for key, declared in keys.items()} | typed
+                raise ValueError(f"--set {f'{key}={given}'!r}: unknown key {key!r}; {advice}")
+        read = {key: keys[key].read(given) for key, given in typed.items()}
+        values = {key: declared.default for key, declared in keys.items()} | read
         for key, declared in keys.items():
             other, relation, wanted = declared.needs.split() or ("", "", "")
             if other not in keys or (keys[other].read(wanted) == values[other]) is (
@@ -137,25 +128,22 @@ class Scenario:
             ):
                 continue
             unset = None if declared.optional else declared.default
-            if typed.get(key) not in (None, unset):
+            if read.get(key) not in (None, unset):
                 words = f"must be left out unless {declared.needs}, or it has no effect"
-                raise ValueError(f"{key} = {typed[key]!r}: {words}")
+                raise ValueError(f"{key} = {read[key]!r}: {words}")
             values[key] = unset
         return values
 
-    def warnings_of(self, assignments: Sequence[str], values: Values) -> list[str]:
-        """Return a warning for each unusual value among the assignments.
+    def warnings_of(self, typed: Values, values: Values) -> list[str]:
+        """Return a warning for each unusual value among those that were typed.
 
         If the number may have been meant in another unit, the warning names this unit.
         """
         keys = self.keys()
-        typed = dict(assignment.split("=", 1) for assignment in assignments)
-        found = [keys[key].unusual(values[key], text) for key, text in typed.items()]
+        found = [keys[key].unusual(values[key], given) for key, given in typed.items()]
         return [*filter(None, found)]
 
-    def assignments_from(
-        self, path: str, option: str = "--parameters"
-    ) -> tuple[list[str], list[str]]:
+    def typed_in(self, path: str, option: str = "--parameters") -> tuple[dict[str, Any], list[str]]:
         """Read a tool's file for this scenario.
 
         Some values in the file are those of the default tool. If they describe the wire's shape or
@@ -167,23 +155,23 @@ class Scenario:
             option: name of the option in messages.
 
         Returns:
-            Assignments ``KEY=VALUE`` of the parameters, and one warning for each value in the file
-            that has no effect on the scenario.
+            The values in the file, as texts or numbers by key.
+            One warning for each value in the file that has no effect on the scenario.
 
         Raises:
             ValueError: in one line, for a file that cannot be read or is not TOML, an unknown key,
                 a refused value, or an absent part.
         """
         keys = self.keys()
-        assignments = list[str]()
+        typed = dict[str, Any]()
         idle = list[str]()
         try:
-            typed = read_keys(path, keys)
+            written = read_keys(path, keys)
         except OSError as error:
             raise ValueError(
                 f"{option} = {path!r}: must be a readable file ({error.strerror})"
             ) from error
-        for key, given in typed.items():
+        for key, given in written.items():
             if key in MAY_BE_ABSENT:
                 if PARTS[key][0] in self.parts:
                     raise ValueError(f"{path}: {key} = false: must be present for {self.name}")
@@ -195,10 +183,10 @@ class Scenario:
             if key in (*SHAPE_KEYS, *CONTACT_KEYS) and value == KEYS[key].default:
                 continue  # for the tool's default the scenario keeps its own wire and law
             if key in keys:
-                assignments.append(f"{key}={given}")
+                typed[key] = given
             elif value != KEYS[key].default:
                 idle.append(f"{path}: {key} = {given} has no effect on {self.name}")
-        return assignments, idle
+        return typed, idle
 
     def built(self, values: Values) -> dict[str, Any]:
         """Return the arguments of ``run``, built from the given parameter values."""
@@ -233,6 +221,17 @@ class Scenario:
             lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
         lines.insert(2, "-" * WIDTH)
         return "\n".join(lines)
+
+
+def assigned(option: str, texts: Sequence[str]) -> dict[str, str]:
+    """Split texts ``KEY=VALUE``, and return the values by key; the last value of a key counts.
+
+    ``option`` is the name of the option in the message on a text of another form.
+    """
+    for text in texts:
+        if "=" not in text:
+            raise ValueError(f"{option} {text!r}: must be KEY=VALUE")
+    return dict(text.split("=", 1) for text in texts)
 
 
 def build_parameters(kind: Any, values: Values) -> Any:

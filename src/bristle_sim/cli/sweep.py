@@ -16,7 +16,7 @@ from typing import Any
 
 from bristle_sim.cli.options import Content, deliver
 from bristle_sim.cli.output import csv_text, json_of
-from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.cli.scenario import Scenario, Values, build_parameters
 from bristle_sim.comparison import Report
 from bristle_sim.declared import Range
 from bristle_sim.parameters import KEYS, Tool
@@ -42,7 +42,9 @@ MOST_ROWS = 15
 """Largest number of points shown in a terminal; files contain all points."""
 
 
-def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[str, Path]) -> None:
+def run_sweep(
+    scenario: Scenario, options: argparse.Namespace, typed: Values, targets: Mapping[str, Path]
+) -> None:
     """Run a scenario for several values of one or two parameters, and show its quantities.
 
     The requested files are written. Standard output shows the answer and a table.
@@ -50,6 +52,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     Args:
         scenario: the scenario.
         options: the parsed options.
+        typed: typed values of parameters, by key.
         targets: the files to write, by option.
 
     Raises:
@@ -61,7 +64,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
         raise ValueError(f"--sweep = {', '.join(options.sweep)}: must name each key once")
     if len(axes) > 2:
         raise ValueError(f"--sweep = {', '.join(options.sweep)}: must be one key or two")
-    found = _swept(scenario, options, axes)
+    found = _swept(scenario, options, typed, axes)
     chosen = _chosen(found, options.quantity)
     answer = sweep_in_words(found, chosen)
 
@@ -76,7 +79,7 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace, targets: Mapping[
     if options.csv is not None:
         contents["csv"] = csv_text(table_columns(found))
     if options.json is not None:
-        values = scenario.values_of(options.set)
+        values = scenario.values_of(typed)
         fixed = {key: value for key, value in values.items() if key not in axes}
         contents["json"] = json_of(scenario.name, answer, fixed, columns=table_columns(found))
     if len(axes) == 1:
@@ -113,7 +116,9 @@ def _axis(scenario: Scenario, text: str) -> Series:
     return Series(key, declared.unit, np.linspace(low, high, int(ends[2])), is_key=True)
 
 
-def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Series]) -> Swept:
+def _swept(
+    scenario: Scenario, options: argparse.Namespace, typed: Values, axes: dict[str, Series]
+) -> Swept:
     """Compute a sweep: all points at once in arrays if possible, otherwise one run for each point.
 
     Arrays are possible only for certain scenarios, tools and swept parameters. They are not used if
@@ -122,33 +127,34 @@ def _swept(scenario: Scenario, options: argparse.Namespace, axes: dict[str, Seri
     Args:
         scenario: the scenario.
         options: the parsed options.
+        typed: typed values of the other parameters, by key.
         axes: the swept parameters with their values.
     """
-    values = scenario.values_of(options.set)
+    values = scenario.values_of(typed)
     keys = KEYS.keys() - {"wire_links", "knee_angle_deg"}
     alone = options.workers is None and options.store is None
     if scenario.in_arrays and alone and axes.keys() <= keys and values.get("reference") != "yes":
         tool = build_parameters(Tool, values)
         if not unable(tool):
             return sweep_in_arrays(tool, build_parameters(Settings, values), axes)
-    point = functools.partial(answer_at, scenario, tuple(options.set))
+    point = functools.partial(answer_at, scenario, typed)
     return sweep_of_runs(point, axes, workers=options.workers, store=options.store)
 
 
-def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
+def answer_at(scenario: Scenario, typed: Values, /, **keys: float) -> Report:
     """Run a scenario at one point of a sweep, and return its report.
 
     The report does not list the swept parameters among its quantities.
 
     Args:
         scenario: the scenario.
-        assignments: texts ``KEY=VALUE`` that set the other parameters.
+        typed: typed values of the other parameters, by key.
         keys: values of the swept parameters.
 
     Raises:
         ValueError: for a refused value.
     """
-    report = scenario.run(**scenario.built(scenario.values_of(assignments, keys)))
+    report = scenario.run(**scenario.built(scenario.values_of({**typed, **keys})))
     others = tuple(each for each in report.quantities if each.name not in keys)
     return dataclasses.replace(report, quantities=others)
 

@@ -5,7 +5,6 @@ results.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -13,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from bristle_sim.cli.command import BAD_INPUT, run_scenario
-from bristle_sim.cli.scenario import Scenario
+from bristle_sim.cli.scenario import Scenario, Values
 from bristle_sim.comparison import cells
 from bristle_sim.declared import Choice, Declaration, Range
 from bristle_sim.parameters import FIELDS, Tool
@@ -49,10 +48,10 @@ PROGRAM = "bristle-sim cue_and_impact"
 """Command that simulates a pass on the command line."""
 
 
-def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
+def knobs(pass_of: Scenario, start: Values) -> list[dict[str, Any]]:
     """Return the description of every parameter's control on the page, one dictionary each.
 
-    ``start`` holds the assignments ``KEY=VALUE`` of the tool that is shown first.
+    ``start`` holds the values of the tool that is shown first, by key.
     """
     values = pass_of.values_of(start)
     groups = {each.key: part for part, fields in FIELDS.items() if part for each in fields.values()}
@@ -101,23 +100,22 @@ def _knob(declared: Any, value: Any, group: str) -> dict[str, Any]:
     }
 
 
-def run_of(pass_of: Scenario, assignments: Sequence[str], number: int = 0) -> dict[str, Any]:
+def run_of(pass_of: Scenario, typed: Values, start: Values) -> dict[str, Any]:
     """Simulate the pass of a tool, and return the results for the page.
 
     Args:
         pass_of: the scenario that simulates a pass.
-        assignments: assignments ``KEY=VALUE`` of the tool that the page shows first, followed by
-            those that the user has typed.
-        number: number of assignments that the user has not typed.
+        typed: values of the tool, as texts or numbers by key.
+        start: values of the tool that the page shows first, by key.
     """
-    values = pass_of.values_of(assignments)
+    values = pass_of.values_of(typed)
+    before = pass_of.values_of(start)
     report = pass_of.run(**pass_of.built(values))
     run = report.subject.trajectory
-    before = pass_of.values_of(assignments[:number])
     keys = pass_of.keys()
     return {
         "answer": report.answer,
-        "warnings": pass_of.warnings_of(assignments[number:], values),
+        "warnings": pass_of.warnings_of(typed, values),
         "table": cells(report.quantities),
         "simulated": [each.simulated for each in report.quantities],
         "remarks": [each for each in report.remarks if each],
@@ -133,12 +131,12 @@ def run_of(pass_of: Scenario, assignments: Sequence[str], number: int = 0) -> di
             for key, declared in keys.items()
             if isinstance(declared, Range) and values[key] is not None
         },
-        "command": shlex.join([*PROGRAM.split(), *_options(assignments)]),
+        "command": shlex.join([*PROGRAM.split(), *_options(typed)]),
     }
 
 
-def _options(assignments: Sequence[str]) -> list[str]:
-    return [part for each in assignments for part in ("--set", each)]
+def _options(typed: Values) -> list[str]:
+    return [part for key, value in typed.items() for part in ("--set", f"{key}={value}")]
 
 
 def _change(declared: Declaration, before: Any, after: Any) -> list[str]:
@@ -184,7 +182,7 @@ PRESETS = {
 joined by &. All tools except Zhang's strike radially."""
 
 
-def download(pass_of: Scenario, assignments: Sequence[str], suffix: str) -> dict[str, bytes]:
+def download(pass_of: Scenario, typed: Values, suffix: str) -> dict[str, bytes]:
     """Simulate a pass and return its results as the bytes of a file.
 
     The file is the one that the command line writes. ``suffix`` is one of :data:`DOWNLOADS`.
@@ -193,7 +191,7 @@ def download(pass_of: Scenario, assignments: Sequence[str], suffix: str) -> dict
         ValueError: for bad input.
     """
     name = f"tool.{suffix}"
-    line = [*_options(assignments), f"--{DOWNLOADS[suffix][0]}", name]
+    line = [*_options(typed), f"--{DOWNLOADS[suffix][0]}", name]
     said = StringIO()
     with (
         TemporaryDirectory() as folder,
@@ -206,9 +204,9 @@ def download(pass_of: Scenario, assignments: Sequence[str], suffix: str) -> dict
         return {"content": Path(name).read_bytes()}
 
 
-def assignments_of(tool: Tool, pass_of: Scenario) -> list[str]:
-    """Return the assignments ``KEY=VALUE`` that change the default tool into the given tool."""
+def typed_of(tool: Tool, pass_of: Scenario) -> dict[str, Any]:
+    """Return the values that change the default tool into the given tool, as texts or numbers by key."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "tool.toml"
         write_tool(tool, path)
-        return pass_of.assignments_from(str(path))[0]
+        return pass_of.typed_in(str(path))[0]

@@ -33,10 +33,10 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
     Returns:
         The frame, which a notebook shows. The page works until this Python process ends.
     """
-    from bristle_sim.cli.explore.bench import assignments_of
+    from bristle_sim.cli.explore.bench import typed_of
     from bristle_sim.cli.explore.server import Server
 
-    server = Server([] if tool is None else assignments_of(tool, main_scenario()))
+    server = Server({} if tool is None else typed_of(tool, main_scenario()))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     return Html(
         f'<iframe src="{server.address}" width="100%" height="{height}" title="Explore a tool"></iframe>'
@@ -63,7 +63,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         help="port to listen on; by default a free one",
     )
     options = parser.parse_args(arguments)
-    start = [] if options.tool is None else pass_of.assignments_from(options.tool, "FILE.toml")[0]
+    start = {} if options.tool is None else pass_of.typed_in(options.tool, "FILE.toml")[0]
     pass_of.values_of(start)
     from bristle_sim.cli.explore.server import Server
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.cli.scenario import Scenario, build_parameters
+from bristle_sim.cli.scenario import Scenario, Values, build_parameters
 from bristle_sim.parameters import KEYS, Tool
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.readable import amount
@@ -43,18 +42,18 @@ EXTREMES = (1.0, 99.0)
 A single extreme value therefore does not darken a map."""
 
 
-def map_of(pass_of: Scenario, assignments: Sequence[str], on: str, fine: str) -> dict[str, Any]:
+def map_of(pass_of: Scenario, typed: Values, on: str, fine: str) -> dict[str, Any]:
     """Return the map of a quantity over two parameters, as data for the page.
 
     Args:
         pass_of: the scenario that simulates a pass.
-        assignments: texts ``KEY=VALUE`` that describe the tool.
+        typed: values of the tool, as texts or numbers by key.
         on: JSON text. Its entries ``x`` and ``y`` are lists of a parameter's key and the two ends
             of its range. Its entry ``of`` is the name of the quantity.
         fine: "1" for the fine map, any other text for the coarse map.
     """
     asked = json.loads(on)
-    tool = build_parameters(Tool, pass_of.values_of(assignments))
+    tool = build_parameters(Tool, pass_of.values_of(typed))
     lines = []
     for key, *ends in (asked["x"], asked["y"]):
         low, high = (float(pass_of.keys()[key].parse(each)) for each in ends)
@@ -86,24 +85,24 @@ def _coded(numbers: Array) -> str:
     return base64.b64encode(numbers.astype(np.uint8).tobytes()).decode("ascii")
 
 
-def limits_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
+def limits_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
     """Return a sentence on the values of the map's first parameter at which the outcome changes.
 
     ``on`` is the JSON text of ``map_of``.
     """
-    tool = build_parameters(Tool, pass_of.values_of(assignments))
+    tool = build_parameters(Tool, pass_of.values_of(typed))
     key, *ends = json.loads(on)["x"]
     return {"answer": limits_in_words(tool, key, ends, SETTINGS.accuracy)[0]}
 
 
-def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[str, Any]:
+def design_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
     """Find a tool whose pass has the wanted quantities, and return its parameters and a sentence.
 
     The two parameters of the map are varied in the ranges of the map. ``on`` is the JSON text of
     ``map_of`` with a further entry ``want``.
     """
     asked = json.loads(on)
-    tool = build_parameters(Tool, pass_of.values_of(assignments))
+    tool = build_parameters(Tool, pass_of.values_of(typed))
     vary = {key: ends for key, *ends in (asked["x"], asked["y"])}
     found = design(tool, want=asked["want"], vary=vary)
     return {
@@ -114,25 +113,25 @@ def design_of(pass_of: Scenario, assignments: Sequence[str], on: str) -> dict[st
     }
 
 
-def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
+def radial_bar(pass_of: Scenario, typed: Values) -> dict[str, Any]:
     """Return the position of the bar with which the wire strikes radially, as texts by key.
 
     In a radial strike, the line from root to tip has the radial direction. The distance of the bar
     from the hub's centre is not changed.
     """
-    values = pass_of.values_of(assignments)
+    values = pass_of.values_of(typed)
     tool = build_parameters(Tool, values)
     strikes = strikes_of(tool, Settings(accuracy=values["accuracy"]))
     places = centre_of(tool, radial_place(tool, *strikes).direction)
     return {"assignments": {key: f"{1e3 * each:.9g} mm" for key, each in places.items()}}
 
 
-def surface_of(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
+def surface_of(pass_of: Scenario, typed: Values) -> dict[str, Any]:
     """Simulate the surface that the tool blasts, and return its picture as PNG in base64."""
     from bristle_sim.render.style import save_figure
     from bristle_sim.render.surface_pictures import surface_figure
 
-    made = surface(build_parameters(Tool, pass_of.values_of(assignments)))
+    made = surface(build_parameters(Tool, pass_of.values_of(typed)))
     with TemporaryDirectory() as folder:
         path = save_figure(surface_figure(made), Path(folder) / "surface.png")
         return {"picture": base64.b64encode(path.read_bytes()).decode("ascii")}

@@ -11,14 +11,13 @@ import hashlib
 import json
 import mimetypes
 import re
-from collections.abc import Sequence
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
 from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.worker import KINDS, Workers
-from bristle_sim.cli.scenario import main_scenario
+from bristle_sim.cli.scenario import Values, main_scenario
 from bristle_sim.render.report import filled
 
 READ_TIMEOUT = 30.0  # longest wait for the next bytes of a request, s
@@ -37,20 +36,21 @@ that name and are refused."""
 class Server(ThreadingHTTPServer):
     """A listening web server of the interactive page; each request has its own thread."""
 
-    def __init__(self, start: Sequence[str] = (), port: int = 0) -> None:
+    def __init__(self, start: Values | None = None, port: int = 0) -> None:
         """Make the page and begin to listen.
 
         Args:
-            start: assignments ``KEY=VALUE`` of the tool that is shown first.
+            start: values of the tool that is shown first, by key; by default the default tool.
             port: port; 0 for any free one.
 
         Raises:
             OSError: if the server cannot listen on the port.
             ValueError: for a refused value.
         """
+        self.start = dict(start or {})
         self.page = filled(
             "explore.html.jinja",
-            keys=bench.knobs(main_scenario(), start),
+            keys=bench.knobs(main_scenario(), self.start),
             presets=bench.PRESETS,
             downloads=bench.DOWNLOADS,
             quantities=bench.COLOURS,
@@ -61,7 +61,6 @@ class Server(ThreadingHTTPServer):
             "Referrer-Policy": "no-referrer",
             "Cache-Control": "no-store",
         }
-        self.start = [*start]
         self.workers = Workers()
         try:
             super().__init__((THIS_MACHINE, port), Request)
@@ -99,10 +98,9 @@ class Request(BaseHTTPRequestHandler):
         given.pop("pin", None)
         options: list[Any] = [given.pop(name) for name in ("on", "fine") if name in given]
         if kind == "run":
-            options = [len(server.start)]
+            options = [server.start]
         elif kind == "download":
             options = [suffix]
-        assignments = [*server.start, *(f"{key}={value}" for key, value in given.items())]
         client = self.headers.get("X-Client", "")
         if not meant_for(self.headers.get("Host", ""), server.server_port):
             self._send("Host: must be the address that the command printed\n", PLAIN, 421)
@@ -113,7 +111,7 @@ class Request(BaseHTTPRequestHandler):
         elif kind not in KINDS or suffix not in ("", *bench.DOWNLOADS):
             self._send("", PLAIN, 404)
         else:
-            found = server.workers.answer(client, kind, assignments, *options)
+            found = server.workers.answer(client, kind, server.start | given, *options)
             if not suffix:
                 self._send(found)
             elif "error" in found:

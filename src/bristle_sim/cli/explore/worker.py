@@ -218,7 +218,7 @@ def work() -> None:
     from bristle_sim.cli.scenario import main_scenario
 
     pass_of = main_scenario()
-    bench.run_of(pass_of, [])  # imports the modules of a run
+    bench.run_of(pass_of, {}, {})  # imports the modules of a run
     logger = logging.getLogger("bristle_sim")
     logger.addHandler(watch)
     logger.setLevel(logging.DEBUG)
