@@ -279,8 +279,8 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
             contact.stick_force = sums.tangential
             ends[contact] = contact.sample(system.closest, system.state)
     if motion.rigid is not None:
-        if motion.before is None and len(begins) == len(ends):
-            system.sample(begins, again=True)
+        if motion.before is None and not motion.springs:
+            system.sample(begins, state=interval.start)
         if system.mechanism.single_link and len(ends) == 1 and interval.length >= SHORTEST_SAMPLED:
             for part in INNER_SAMPLES:
                 guess = interval.at(part * interval.length)

@@ -175,6 +175,7 @@ def begin_motion(system: System, given: Motion) -> Motion:
         contact.force = None
     if active:
         motion.load = ContactLoad(system.scene, motion.rigid, springs) if springs else motion.rigid
+    if springs:
         system.sample({spring: spring.sample(system.closest, system.state) for spring in springs})
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)

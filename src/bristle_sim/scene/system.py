@@ -210,26 +210,20 @@ class System:
     def sample(
         self,
         forces: Mapping[ActiveContact, float] = MappingProxyType({}),
-        *,
-        again: bool = False,
         state: State | None = None,
     ) -> None:
         """Record a state and the sum of the normal contact forces on each wire.
 
         Args:
             forces: normal force of each contact.
-            again: whether to replace the forces of the last sample instead of adding a sample.
             state: the state; by default the present state.
         """
         sums = [0.0] * self.mechanism.wires
         for contact, force in forces.items():
             for wire in self.wires_of(contact.pair):
                 sums[wire] += force
-        if again:
-            self.recording.forces[-1] = sums
-        else:
-            self.recording.states.append(state or self.state)
-            self.recording.forces.append(sums)
+        self.recording.states.append(state or self.state)
+        self.recording.forces.append(sums)
 
     def links_of(self, pair: ContactPair) -> tuple[int, ...]:
         """Return the indices of the links that take part in a contact."""
