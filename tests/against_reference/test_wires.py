@@ -138,3 +138,14 @@ def test_a_wire_does_not_stutter(links: int, accuracy: float, speeds: list[float
         run = simulate(tool, Settings(accuracy=accuracy, hub_turn=1.5, maximum_steps=200_000))
         assert run.stop_reason is StopReason.END
         assert run.cost.steps < 2.0 * 42.0 * run.time[-1] / (2.0 * time_scale(scene) * units.time)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_a_thread_of_two_links(damping: float) -> None:
+    """A wire of diameter 0 with a given mass has hinges without stiffness and without damping."""
+    tool = Tool().replace(
+        wire_diameter=0.0, bristle_mass=8e-5, wire_links=2, wire_damping_ratio=damping
+    )
+    run = simulate(tool, Settings(accuracy=1e-6), stop_after="strike")
+    exact = simulate_reference(tool, accuracy=1e-9, stop_after="strike")
+    assert run.event_time("strike") == pytest.approx(exact.event_time("strike"), rel=1e-5)

@@ -89,3 +89,7 @@ def test_damping_of_a_hinge() -> None:
     omega = math.tau * beam_frequencies(*WIRE, BELT, 2)[1]
     stiffness = hinge_stiffness(WIRE[2], WIRE[1], WIRE[3], 8)
     assert hinge_damping(*WIRE, BELT, 0.02, 8) == pytest.approx(0.04 * stiffness / omega, rel=1e-14)
+
+
+def test_a_thread_without_bending_stiffness_has_no_damping() -> None:
+    assert hinge_damping(1e-4, 0.03, 0.0, 2e11, BELT, 0.02, 8) == 0.0

@@ -216,10 +216,8 @@ def wire_hinges(
     length = bristle.length
     modulus = bristle.modulus
     stiffness = hinge_stiffness(diameter, length, modulus, bristle.links)
-    damping = 0.0
-    if bristle.bending_damping_ratio:
-        shape = (bristle.mass, length, diameter, modulus, root_stiffness)
-        damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
+    shape = (bristle.mass, length, diameter, modulus, root_stiffness)
+    damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
     return ((stiffness / units.energy, damping / units.angular_damping),) * (bristle.links - 1)
 
 

@@ -73,15 +73,13 @@ def hinge_damping(
     It is 2 zeta k_w/omega_1, with the damping ratio zeta (``damping_ratio``) and the angular
     frequency omega_1 of the beam's first bending mode, and the stiffness k_w of
     ``hinge_stiffness``. A mode of angular frequency omega then has the damping ratio zeta
-    omega/omega_1.
+    omega/omega_1. A wire without bending stiffness has no damping.
     """
+    stiffness = hinge_stiffness(diameter, length, modulus, links)
+    if not (damping_ratio and stiffness):
+        return 0.0
     first = beam_frequencies(mass, length, diameter, modulus, root_stiffness, 2)[1]
-    return (
-        2.0
-        * damping_ratio
-        * hinge_stiffness(diameter, length, modulus, links)
-        / (math.tau * float(first))
-    )
+    return 2.0 * damping_ratio * stiffness / (math.tau * float(first))
 
 
 def beam_frequencies(
