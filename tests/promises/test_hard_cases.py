@@ -12,8 +12,8 @@ import pytest
 
 from bristle_sim.benchmarks.hard_cases import THEMES
 from bristle_sim.benchmarks.hard_cases.report import TABLES
-from bristle_sim.scene import extrapolation, touches
 from bristle_sim.scene import collisions as scene_collisions
+from bristle_sim.scene import extrapolation, touches
 from bristle_sim.scene import impacts as contact_laws
 from bristle_sim.scene import simulate as scene_simulate
 from bristle_sim.scene import tool as scene_tool
