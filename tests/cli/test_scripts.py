@@ -42,7 +42,7 @@ RUBBING = "friction restitution_friction restitution"
 LAW = "contact contact_duration tangential_compliance accuracy"
 WIRE = "wire_links wire_modulus wire_damping_ratio"
 PASS = f"{RIGID_TOOL} wire_diameter {BELT} {BAR} penetration"
-IMPACT_FILM = "bristle_sim.render.impact_film.ImpactFilm"
+IMPACT_FILM = "bristle_sim.render.impact_pictures.ImpactFilm"
 
 
 @dataclass(frozen=True)

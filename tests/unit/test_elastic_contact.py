@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface, Tool
-from bristle_sim.render.impact_figure import impact_figure
+from bristle_sim.render.impact_pictures import impact_figure
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, build_strike, strike

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.render.impact_figure import impact_figure
-from bristle_sim.render.impact_film import ImpactFilm
+from bristle_sim.render.impact_pictures import ImpactFilm, impact_figure
 from bristle_sim.render.style import save_figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_laws import Impacts
@@ -35,10 +34,10 @@ def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None
     """50 us of compression, millimetres and some ten newtons instead of nanometres and meganewtons."""
     shown = with_visible_contact(bristle(contact=contact))
     scene = ImpactFilm(shown, width=320, height=180)
-    deepest = scene.motion.time[np.argmin(scene.motion.samples["away"])]
+    deepest = scene.motion.time[np.argmin(scene.motion.vectors["path"][0])]
     assert deepest == pytest.approx(5e-5, rel=1e-5)
     # Impulse over duration: the mean force of 2.8 mN s in some 100 us; the peak is at most pi/2 of it in either half.
-    assert 20.0 < scene.motion.samples["normal_force"].max() < 100.0
+    assert 20.0 < scene.motion.vectors["force"][0].max() < 100.0
     written = "\n".join(each.get_text() for each in scene.figure.texts)
     assert "compression 50 µs (as printed, for the film)" in written
 
@@ -77,7 +76,7 @@ def test_film_shows_the_motion(pendulum: Impacts) -> None:
     for hand in scene.hands:
         instant = hand.get_xdata()[0] / scene.clock.factor
         assert instant == pytest.approx(stop, rel=1e-3)  # the warp is linear between 4001 nodes
-        expected = scene.speed.factor * scene.motion.at(instant, "normal_velocity")[0]
+        expected = scene.speed.factor * scene.motion.at(instant, "velocity")[0]
         # The read-out has two digits after the point.
         shown = scene.texts[3].split()[1].replace("\N{MINUS SIGN}", "-")
         assert float(shown) == pytest.approx(expected, abs=0.006)

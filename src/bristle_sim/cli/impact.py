@@ -6,7 +6,7 @@ from bristle_sim.comparison import Report
 
 def plot(report: Report) -> Picture:
     """Draw the tip's velocity components during an impact against the normal impulse."""
-    from bristle_sim.render.impact_figure import impact_figure
+    from bristle_sim.render.impact_pictures import impact_figure
 
     return impact_figure(report.subject)
 
@@ -17,7 +17,7 @@ def film(report: Report, **size: int) -> Film:
     If the impact law has no contact duration, the film shows a compression of 50 us, the value
     printed in the dissertation.
     """
-    from bristle_sim.render.impact_film import ImpactFilm
+    from bristle_sim.render.impact_pictures import ImpactFilm
     from bristle_sim.studies.timed_contact import with_visible_contact
 
     return ImpactFilm(with_visible_contact(report.subject), **size)

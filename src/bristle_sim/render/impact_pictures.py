@@ -1,18 +1,24 @@
-"""Film of one impact in slow motion: the rods to scale, the tip enlarged, and curves over time."""
+"""Figure and film of a single impact.
+
+The figure shows the tip's velocity over the normal impulse: by the energetic law, and of a contact
+that is simulated in time. The film shows the rods to scale, the tip enlarged, and curves over time.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
 from bristle_sim.arrays import Array
 from bristle_sim.readable import amount
-from bristle_sim.render.colours import BLUE, GREEN, GREY, LIGHT, SKY, VERMILION
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SKY, VERMILION
 from bristle_sim.render.drawing import (
     GROUND,
     HUB_COLOUR,
@@ -21,14 +27,89 @@ from bristle_sim.render.drawing import (
     show_points,
 )
 from bristle_sim.render.film import HEADER, Film, slow_motion
-from bristle_sim.render.impact_figure import PHASE_COLOURS
 from bristle_sim.render.story import Phase, phase_at
-from bristle_sim.render.style import draw_zero, scale_for, signed, styled
+from bristle_sim.render.style import (
+    Look,
+    blank_figure,
+    draw_zero,
+    say,
+    scale_for,
+    signed,
+    styled,
+)
 from bristle_sim.studies.contact_laws import Impacts
+from bristle_sim.studies.impulse_course import energetic_course, recorded_course
 from bristle_sim.studies.timed_contact import compression_end, pieces
 from bristle_sim.trajectory import ContactRecord
 
 COLOURS = {"normal": BLUE, "tangential": VERMILION}
+"""Colours of the components of a vector at the tip, in the order in which arrays hold them."""
+
+PHASE_COLOURS = {
+    "compression slip": "#e6eef6", "compression reverse slip": "#d3e2f0", "compression stick": "#dadde6",
+    "restitution slip": "#eff5e8", "restitution reverse slip": "#e0ecd2", "restitution stick": "#e7e7df",
+}  # fmt: skip
+# Width of the narrowest phase whose name is shown, as a fraction of the panel
+NARROWEST_NAMED = 0.09
+
+
+@styled()
+def impact_figure(impacts: Impacts) -> Figure:
+    """Draw the tip's velocity components over the normal impulse during an impact.
+
+    Lines are the energetic law, and its phases are shaded. Crosses are a contact simulated in time,
+    if there is one.
+    """
+    surface = impacts.surface
+    angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
+    words = f"{angles} to the normal, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
+    if surface.restitution_friction is not None:
+        words += f", μ₂ = {surface.restitution_friction:.4g}"
+    law = "energetic law"
+    recorded = None
+    resolved = impacts.strikes.get("compliant")
+    if resolved is not None and resolved.contact.history is not None:
+        recorded = recorded_course(resolved.contact.history)
+        elastic = impacts.contact.tangential_compliance
+        law = "lines: rigid along the surface" if elastic else "lines: energetic law"
+        law += f"; crosses: resolved in time{', elastic' if elastic else ''}"
+    course = energetic_course(impacts.chain, surface)
+    impulse = scale_for(float(course.impulse[-1]), "N·s")
+    speed = scale_for(
+        float(np.abs([course.normal_velocity, course.tangential_velocity]).max()), "m/s"
+    )
+    figure = blank_figure(16.0, 7.4)
+    axes = figure.subplots()
+    axes.set_title(f"the impact over its normal impulse, {words}\n{law}")
+    axes.set_xlabel(f"normal impulse ({impulse.unit})")
+    axes.set_ylabel(f"velocity of the tip ({speed.unit})")
+    if course.impulse.size < 2:
+        say(axes, "the tip does not approach: no contact")
+        return figure
+    draw_zero(axes)
+    edges = course.impulse * impulse.factor
+    end = edges[-1]
+    for name, color in COLOURS.items():
+        which = f"{name}_velocity"
+        axes.plot(edges, getattr(course, which) * speed.factor, color=color, gid=which, label=name)
+        if recorded is not None:
+            points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
+            gid = f"{which}, resolved in time"
+            axes.plot(*points, "x", color=BLACK, markersize=3.6, zorder=3, gid=gid)
+            end = max(end, points[0][-1])
+    axes.legend(loc="lower right")
+    axes.set_xlim(0.0, 1.03 * end)
+    axes.margins(y=0.25)  # room for the names of the phases
+    for name, (start, stop) in zip(course.phases, pairwise(edges), strict=False):
+        axes.axvspan(start, stop, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0)
+        if stop - start >= NARROWEST_NAMED * axes.get_xlim()[1]:
+            middle = 0.5 * (start + stop)
+            words = name.replace(" ", "\n")
+            look: Look = {"transform": axes.get_xaxis_transform(), "fontsize": 7.0}
+            axes.text(middle, 0.97, words, ha="center", va="top", **look)
+    return figure
+
+
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
 # Free motion shown before and after the contact, as fractions of its duration
@@ -52,29 +133,26 @@ class ContactMotion:
 
     Attributes:
         time: times of the samples from the first touch, s; negative before it.
-        samples: quantities of the tip at these times, by name. ``normal_velocity`` and
-            ``tangential_velocity`` are in m/s, ``normal_force`` and ``tangential_force`` in N. The
-            displacement since the first touch, ``along`` the surface and ``away`` from it, is in m.
+        vectors: vectors of the tip at these times, by name, of shape (2, samples): components
+            normal to the surface and along it. They are ``velocity`` (m/s), ``force`` (N) and
+            ``path`` (m), the displacement since the first touch.
         phases: phases of the motion with their start times. The first is the arrival; then follow
             phases of the impact such as ``compression slip``; the last is the outcome.
         touch_end: end of the contact, s.
     """
 
     time: Array
-    samples: dict[str, Array]
+    vectors: dict[str, Array]
     phases: tuple[Phase, ...]
     touch_end: float
 
-    def largest(self, kind: str) -> float:
-        """Return the largest magnitude over time of a vector.
+    def largest(self, name: str) -> float:
+        """Return the largest magnitude over time of a vector, by its name."""
+        return float(np.hypot(*self.vectors[name]).max())
 
-        ``kind`` is ``velocity`` (m/s) or ``force`` (N).
-        """
-        return float(np.hypot(*(self.samples[f"{part}_{kind}"] for part in COLOURS)).max())
-
-    def at(self, time: float, *names: str) -> Array:
-        """Return quantities at a time (s), one for each name in ``names``, a key of ``samples``."""
-        return np.array([np.interp(time, self.time, self.samples[name]) for name in names])
+    def at(self, time: float, name: str) -> Array:
+        """Return the normal and tangential component of a vector at a time, s."""
+        return np.array([np.interp(time, self.time, part) for part in self.vectors[name]])
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
@@ -93,26 +171,23 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
         )
     clock = history.time - history.time[0]
     end = float(clock[-1])
-    leaves = record.outcome == "rebound"
     time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
-    kept = {"velocity": (1.0, leaves), "force": (0.0, not leaves)}
-    samples = {}
-    for part, path in (("tangential", "along"), ("normal", "away")):
-        for kind, (before, after) in kept.items():
-            values = np.pad(getattr(history, f"{part}_{kind}"), 2, "edge")
-            values[:2] *= before
-            values[-2:] *= after
-            samples[f"{part}_{kind}"] = values
-        speed = samples[f"{part}_velocity"]
-        way = np.append(0.0, np.cumsum(0.5 * np.diff(time) * (speed[1:] + speed[:-1])))
-        samples[path] = way - way[1]
+    beside = ((0, 0), (2, 2))
+    velocity = np.pad([history.normal_velocity, history.tangential_velocity], beside, "edge")
+    force = np.pad([history.normal_force, history.tangential_force], beside)
+    if record.outcome != "rebound":
+        velocity[:, -2:] = 0.0
+        force[:, -2:] = force[:, -3:-2]
+    ways = 0.5 * np.diff(time) * (velocity[:, 1:] + velocity[:, :-1])
+    path = np.pad(np.cumsum(ways, axis=1), ((0, 0), (1, 0)))
+    vectors = {"velocity": velocity, "force": force, "path": path - path[:, 1:2]}
     # The shortest pieces, beyond the number of phases, are rounding at the end of other pieces.
     longest = sorted(pieces(clock), key=lambda piece: clock[piece[0]] - clock[piece[1] - 1])
     begins = sorted(float(clock[first]) for first, _ in longest[: len(record.phases)])
     phases = [Phase(*each) for each in zip(begins, record.phases, strict=False)]
     stays = record.outcome in ("stiction", "jam")
     outcome = Phase(end, record.outcome + ": the tip stays" * stays)
-    return ContactMotion(time, samples, (Phase(time[0], "the tip arrives"), *phases, outcome), end)
+    return ContactMotion(time, vectors, (Phase(time[0], "the tip arrives"), *phases, outcome), end)
 
 
 class TipDrawing:
@@ -124,10 +199,10 @@ class TipDrawing:
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array) -> None:
         self._motion = motion
-        path = np.stack([motion.samples["along"], motion.samples["away"]], axis=-1)
-        scale = scale_for(float(np.ptp(path, axis=0).max()), "m")
+        path = motion.vectors["path"]
+        scale = scale_for(float(np.ptp(path, axis=1).max()), "m")
         self._factor = scale.factor
-        self._path = path * scale.factor
+        self._path = scale.factor * path[::-1].T
         show_points(axes, [self._path], 0.5)
         bottom, top = axes.get_ylim()
         height = top - bottom
@@ -146,8 +221,8 @@ class TipDrawing:
         self.forces = add_arrows(axes, *COLOURS.values())
         self.moving = [self.trail, self.rod, self.forces]
         self._newton = LONGEST_FORCE * height / (motion.largest("force") or 1.0)
-        left = -float(motion.at(motion.touch_end, "away")[0])
-        if left > -CRATER * path[:, 1].min():
+        left = -float(motion.at(motion.touch_end, "path")[0])
+        if left > -CRATER * path[0].min():
             why = f"The contact unloads more\nstiffly than it loads:\nthe tip leaves a crater\nof {amount(left, 'm')} depth."
             axes.text(0.03, 0.03, why, transform=axes.transAxes, fontsize=7.0)
 
@@ -157,11 +232,11 @@ class TipDrawing:
         The path up to this time is drawn.
         """
         motion = self._motion
-        tip = self._factor * motion.at(time, "along", "away")
+        tip = self._factor * motion.at(time, "path")[::-1]
         past = self._path[: np.searchsorted(motion.time, time, side="right")]
         self.trail.set_data(*np.vstack([past, tip]).T)
         self.rod.set_data(*(tip + self._rod).T)
-        up, aside = self._newton * motion.at(time, "normal_force", "tangential_force")
+        up, aside = self._newton * motion.at(time, "force")
         # The normal arrow ends at the tip, since the rod is above the tip.
         self.forces.set_offsets([tip - [0.0, up], tip])
         self.forces.set_UVC([0.0, aside], [up, 0.0])
@@ -200,8 +275,8 @@ class ImpactFilm(Film):
         draw_rods(rods, line, impacts.chain.hub_radius)
         close_up = self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11))
         self.tip = TipDrawing(close_up, motion, line[-1] - line[-2])
-        self._draw_panel(0.5, "velocity of the tip", "m/s").legend(loc="upper right")
-        axes = self._draw_panel(0.1, "force on the tip", "N")
+        self._draw_panel(0.5, "velocity", "of the tip", "m/s").legend(loc="upper right")
+        axes = self._draw_panel(0.1, "force", "on the tip", "N")
         axes.set_xlabel(f"time since the first touch ({clock.unit})")
         self.moving = [*self.tip.moving, *self.hands]
         history = struck.contact.history
@@ -217,9 +292,7 @@ class ImpactFilm(Film):
     def move(self, time: float) -> tuple[str, ...]:
         """Move the tip to a time from the first touch, s."""
         self.tip.move(time)
-        velocity = self.speed.factor * self.motion.at(
-            time, "normal_velocity", "tangential_velocity"
-        )
+        velocity = self.speed.factor * self.motion.at(time, "velocity")
         texts = (
             f"{word} {signed(value, 2, 7)} {self.speed.unit}"
             for word, value in zip(("away", "along"), velocity.tolist(), strict=True)
@@ -227,29 +300,29 @@ class ImpactFilm(Film):
         half, _, sliding = (phase := phase_at(self.motion.phases, time).caption).partition(" ")
         return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
 
-    def _draw_panel(self, bottom: float, title: str, unit: str) -> Axes:
+    def _draw_panel(self, bottom: float, name: str, where: str, unit: str) -> Axes:
         """Add a panel with the normal and tangential components of a vector over time.
 
         Args:
             bottom: lower edge of the panel, as a fraction of the picture.
-            title: title of the panel; its first word is ``velocity`` or ``force``.
+            name: name of the vector, ``velocity`` or ``force``.
+            where: rest of the panel's label.
             unit: SI unit of the vector.
         """
         motion = self.motion
-        kind = title.partition(" ")[0]
-        scale = scale_for(motion.largest(kind), unit)
+        scale = scale_for(motion.largest(name), unit)
         clock = self.clock.factor
         axes = self.add_timeline((0.685, bottom, 0.305, 0.33))
         draw_zero(axes)
-        for part, color in COLOURS.items():
-            values = motion.samples[f"{part}_{kind}"] * scale.factor
-            axes.plot(motion.time * clock, values, color=color, linewidth=1.8, label=part)
+        for values, (part, color) in zip(motion.vectors[name], COLOURS.items(), strict=True):
+            shown = values * scale.factor
+            axes.plot(motion.time * clock, shown, color=color, linewidth=1.8, label=part)
         ends = [*(phase.start for phase in motion.phases[1:]), motion.time[-1]]
         for phase, end in zip(motion.phases, ends, strict=True):
             color = PHASE_COLOURS.get(phase.caption, "white")
             axes.axvspan(phase.start * clock, end * clock, color=color, linewidth=0.0, zorder=0)
         axes.margins(y=0.1)
-        axes.set_ylabel(f"{title} ({scale.unit})")
+        axes.set_ylabel(f"{name} {where} ({scale.unit})")
         return axes
 
 
