@@ -21,14 +21,24 @@ from bristle_sim.dissertation.audit import AuditRow, audit_rows, shown_number
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.dissertation_figures import (
     draw_panel,
     heading,
     write_points_key,
 )
 from bristle_sim.render.drawing import HUB_COLOUR, toward
-from bristle_sim.render.style import MILLIMETRES, blank_figure, save_figure, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT,
+    MILLIMETRES,
+    VERMILION,
+    blank_figure,
+    save_figure,
+    styled,
+)
 
 HERE = Path(__file__).parent
 

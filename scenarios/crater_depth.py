@@ -24,7 +24,7 @@ def run(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Repor
 
 def plot(report: Report) -> Picture:
     """Draw the depths by both estimates and from the simulated contact."""
-    from bristle_sim.render.crater_figure import crater_figure
+    from bristle_sim.render.measurement_figures import crater_figure
 
     return crater_figure(report.subject)
 

@@ -22,7 +22,7 @@ def run(tool: Tool, settings: Settings, compared: Comparison, grid: MapGrid) -> 
 
 def plot(report: Report) -> Picture:
     """Draw maps of lag, tip speed, normal work and crater depth over the bar's position."""
-    from bristle_sim.render.map_figure import map_figure
+    from bristle_sim.render.sweep_figures import map_figure
     from bristle_sim.studies.cue_map import position_map
 
     return map_figure(report.subject, *position_map(report.subject))

@@ -14,10 +14,9 @@ from bristle_sim.benchmarks.accuracy_cost.study import TARGETS
 from bristle_sim.cli import Scenario
 from bristle_sim.cli.scenario import assigned, load_scenario, script_paths
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
-from bristle_sim.render.colours import PURPLE
 from bristle_sim.render.cost_figure import LEAST, cost_figure, verdict
 from bristle_sim.render.dissertation_figures import draw
-from bristle_sim.render.style import blank_figure, span_at_least
+from bristle_sim.render.style import PURPLE, blank_figure, span_at_least
 from figure_faults import faults
 
 PASSES = (

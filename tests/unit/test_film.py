@@ -15,8 +15,8 @@ from PIL import Image
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render import film
-from bristle_sim.render.colours import BLACK
 from bristle_sim.render.film import Film, slow_motion
+from bristle_sim.render.style import BLACK
 from bristle_sim.render.tool_films import pass_film
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, STRIKE, make_trajectory

@@ -10,7 +10,7 @@ import bristle_sim as bs
 from bristle_sim.parameters import Bristle as Wire
 from bristle_sim.parameters import Contact, Hub, Strike, Surface
 from bristle_sim.passes.strike import OUTCOMES
-from bristle_sim.render.colours import OUTCOMES as COLOURS
+from bristle_sim.render.style import OUTCOMES as COLOURS
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impacts import oblique_impact
 from bristle_sim.studies.whole_pass import whole_pass

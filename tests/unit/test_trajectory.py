@@ -67,6 +67,9 @@ def test_a_notebook_shows_a_drawing_to_scale(
     assert "polyline" in trajectory._repr_html_()
     bare = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
     assert (bare.count("<circle"), "<line" in bare) == (1, False)
+    wrong = dataclasses.replace(run, parameters={"tool": {}})
+    with pytest.raises(ValueError, match="parameters: must describe the tool"):
+        wrong._repr_html_()
     assert run.plot()._repr_png_().startswith(b"\x89PNG")  # matplotlib's own way needs pyplot
     film = run.animate(tmp_path / "pass.gif", duration=0.2, fps=10, size=(160, 120))
     assert film.read_bytes().startswith(b"GIF8")

@@ -10,12 +10,29 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
-from bristle_sim.render import style
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, LIGHT, SERIES, VERMILION
 from bristle_sim.render.drawing import (
     draw_wires,
     show_points,
     touch_places,
+)
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LIGHT,
+    MICROSECONDS,
+    MILLIMETRES,
+    MILLISECONDS,
+    SERIES,
+    STRIKE_LOOKS,
+    VERMILION,
+    Look,
+    blank_figure,
+    draw_zero,
+    say,
+    span_at_least,
+    styled,
+    write_key,
 )
 from bristle_sim.studies.bent_bristles import SHAPES, BentBristles, against_film
 from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
@@ -27,21 +44,21 @@ COLOURS = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
 # Durations shown before the first touch and after the end of the contact, s.
 BEFORE = 0.6e-3
 AFTER = 1.1e-3
-MARKS: dict[str, style.Look] = {
+MARKS: dict[str, Look] = {
     "path before the contact": {"linestyle": "--", "linewidth": 1.0},
     "during the contact": {"linewidth": 2.6},
     "after the contact": {"linewidth": 1.0},
 }
 
 
-@style.styled()
+@styled()
 def bent_figure(bent: BentBristles) -> Figure:
     """Draw the strikes of straight and bent wires.
 
     Panels show the wires at the strike (mm), the paths of their tips around the contact (mm), and
     each tip's displacement along the workpart (mm) over the time since its first touch (us).
     """
-    figure = style.blank_figure(16.0, 15.5)
+    figure = blank_figure(16.0, 15.5)
     panels = figure.subplot_mosaic([["wires", "paths"], ["slides", "slides"]], width_ratios=(1, 2))
     wires, paths, slides = panels.values()
     along = "along the workpart (mm)"
@@ -49,7 +66,7 @@ def bent_figure(bent: BentBristles) -> Figure:
     paths.set(title="the tips' paths, from the point of strike", xlabel=along)
     slides.set(title="during the contact", xlabel="time since the first touch (µs)")
     slides.set_ylabel("displacement of the tip\nalong the workpart (mm)")
-    shapes: dict[str, style.Look] = {}
+    shapes: dict[str, Look] = {}
     drawn = []
     for shape, run in bent.trajectories.items():
         contact = run.first_contact("workpart")
@@ -64,16 +81,16 @@ def bent_figure(bent: BentBristles) -> Figure:
         axes.axhspan(axes.get_ylim()[0], 0.0, color=LIGHT, linewidth=0.0, zorder=0)
     for axes in (wires, paths, slides):
         if drawn:
-            style.draw_zero(axes)
+            draw_zero(axes)
         else:
             axes.set_axis_off()
-            style.say(axes, "no tip strikes the workpart")
+            say(axes, "no tip strikes the workpart")
     tool = bent.trajectories["forward"].tool
     assert tool.workpart is not None
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
     figure.suptitle(f"Three bristles strike: {what}\n{against_film(bent.slides)}", fontsize=9.0)
     marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
-    style.write_key(figure, shapes | marks, ncols=3)
+    write_key(figure, shapes | marks, ncols=3)
     return figure
 
 
@@ -97,16 +114,15 @@ def _draw_strike(
     touch = contact.time
     end = touch + contact.duration
     struck = run.at(touch)
-    wire = style.MILLIMETRES * (struck.centre_line - struck.tip)
+    wire = MILLIMETRES * (struck.centre_line - struck.tip)
     wires.plot(*wire.T, color=color, linewidth=1.8)
     edges = (max(touch - BEFORE, run.time[0]), touch, end, min(end + AFTER, run.time[-1]))
     before, during, after = (
-        style.MILLIMETRES * (run.at(np.linspace(*each, 400)).tip - struck.tip)
-        for each in pairwise(edges)
+        MILLIMETRES * (run.at(np.linspace(*each, 400)).tip - struck.tip) for each in pairwise(edges)
     )
     for points, look in zip((before, during, after), MARKS.values(), strict=True):
         paths.plot(*points.T, color=color, **look)
-    time = style.MICROSECONDS * np.linspace(0.0, contact.duration, 400)
+    time = MICROSECONDS * np.linspace(0.0, contact.duration, 400)
     slides.plot(time, during[:, 0], color=color)
     return wire, np.concatenate([during, after])
 
@@ -148,7 +164,7 @@ def pitches_to_draw(row: NeighbourRow) -> list[float]:
 LEAST_SPAN = 0.02
 
 
-@style.styled()
+@styled()
 def neighbours_figure(
     row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]
 ) -> Figure:
@@ -160,15 +176,15 @@ def neighbours_figure(
         strikes: quantities of the last bristle's strike, by name. Each array has one value for each
             pitch.
     """
-    figure = style.blank_figure(16.0, 12.5)
+    figure = blank_figure(16.0, 12.5)
     above, below = figure.subfigures(2, squeeze=False, height_ratios=(1.4, 1.0)).flat
     last = f"bristle {len(row.bristles)}"
     for axes, (title, time) in zip(above.subplots(1, 2), instants(row), strict=True):
-        axes.set_title(f"{title}, {style.MILLISECONDS * time:.3f} ms")
+        axes.set_title(f"{title}, {MILLISECONDS * time:.3f} ms")
         _draw_row(axes, row, time)
     alone = strike_values(row.tool, row.lone)
     for axes, name in zip(below.subplots(1, 3), STRIKES, strict=True):
-        title, unit, factor = style.STRIKE_LOOKS[name]
+        title, unit, factor = STRIKE_LOOKS[name]
         axes.set(title=title, xlabel="pitch (°)", ylabel=unit)
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
@@ -181,9 +197,9 @@ def neighbours_figure(
                 label = f"{least:.2f}°: {words}"
                 axes.axvline(least, color=BLACK, linewidth=0.8, linestyle=dashes, label=label)
         axes.set_xlim(left=0.0)
-        style.span_at_least(axes, LEAST_SPAN)
+        span_at_least(axes, LEAST_SPAN)
         if np.isnan(strikes[name]).all():
-            style.say(axes, "no strike at any pitch")
+            say(axes, "no strike at any pitch")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
@@ -194,7 +210,7 @@ def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
     drawings = draw_wires(axes, row.tool, lines, colors)
     for number, (drawing, line) in enumerate(zip(drawings, lines, strict=True), 1):
         drawing.place(line)
-        x, y = 0.9 * style.MILLIMETRES * line[0]
+        x, y = 0.9 * MILLIMETRES * line[0]
         axes.text(x, y, str(number), color=colors[number - 1], ha="center", va="center")
     places = touch_places(lines, row.tool.bristle.wire_diameter)
     axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)

@@ -18,8 +18,19 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
     package_of,
 )
 from bristle_sim.benchmarks.accuracy_cost.study import AccuracyCost, comparisons
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
-from bristle_sim.render.style import MILLISECONDS, Look, blank_figure, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    MILLISECONDS,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Look,
+    blank_figure,
+    styled,
+)
 
 HEIGHT = 8.6  # height of a row of panels with their legends, cm
 OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of this project's methods, in order of drawing

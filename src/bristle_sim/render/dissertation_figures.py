@@ -17,8 +17,17 @@ from matplotlib.transforms import Bbox
 
 from bristle_sim.dissertation.redrawn import SOURCES, Panel, Redrawn
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.colours import BLACK, GREY, SERIES, VERMILION
-from bristle_sim.render.style import Look, blank_figure, save_figure, styled, write_key
+from bristle_sim.render.style import (
+    BLACK,
+    GREY,
+    SERIES,
+    VERMILION,
+    Look,
+    blank_figure,
+    save_figure,
+    styled,
+    write_key,
+)
 
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
-from bristle_sim.render.style import MILLIMETRES, Look
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, MILLIMETRES, Look
 
 # Largest distance of a visible bar from the hub's centre, divided by the distance of the farthest
 # point of the wires

@@ -6,10 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREY,
     MICROSECONDS,
     MILLISECONDS,
+    SKY,
+    VERMILION,
     add_right_scale,
     blank_figure,
     draw_zero,

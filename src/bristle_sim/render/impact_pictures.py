@@ -18,7 +18,6 @@ from matplotlib.patheffects import withStroke
 
 from bristle_sim.arrays import Array
 from bristle_sim.readable import amount
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, SKY, VERMILION
 from bristle_sim.render.drawing import (
     GROUND,
     HUB_COLOUR,
@@ -29,6 +28,13 @@ from bristle_sim.render.drawing import (
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.story import Phase, phase_at
 from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT,
+    SKY,
+    VERMILION,
     Look,
     blank_figure,
     draw_zero,
@@ -80,7 +86,7 @@ def impact_figure(impacts: Impacts) -> Figure:
     )
     figure = blank_figure(16.0, 7.4)
     axes = figure.subplots()
-    axes.set_title(f"the impact over its normal impulse, {words}\n{law}")
+    axes.set_title(f"velocity of the tip against the normal impulse, {words}\n{law}")
     axes.set_xlabel(f"normal impulse ({impulse.unit})")
     axes.set_ylabel(f"velocity of the tip ({speed.unit})")
     if course.impulse.size < 2:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path
@@ -61,12 +60,13 @@ def summary_page(run: Trajectory) -> str:
 
     The drawing shows the tip's path, and the wire at the strike or, without a strike, at the end of
     the run. It shows the tool if the run has the parameters of one.
+
+    Raises:
+        ValueError: if these parameters do not describe a tool.
     """
     contact = run.first_contact("workpart")
-    tool = None
+    tool = run.tool if "tool" in run.parameters else None
     wire = run.centre_line[-1 if contact is None else int(np.abs(run.time - contact.time).argmin())]
-    with contextlib.suppress(ValueError):  # the parameters of the run may describe no tool
-        tool = run.tool
     path = run.course(points=POINTS).tip if run.time[-1] > run.time[0] else run.tip
     points = np.concatenate([path, wire]) * [1.0, -1.0]
     border = MARGIN * np.ptp(points, axis=0).max()

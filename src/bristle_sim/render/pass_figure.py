@@ -16,12 +16,18 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, draw_tool, show_wires
 from bristle_sim.render.story import CARRIED, key_events, story_end
 from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
     MILLIMETRES,
     MILLISECONDS,
+    ORANGE,
+    PURPLE,
+    VERMILION,
     Look,
     blank_figure,
     draw_zero,

@@ -9,11 +9,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.drawing import WireDrawing, draw_circle, draw_tool, show_points
 from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREY,
     MILLIMETRES,
     MILLISECONDS,
+    VERMILION,
     Look,
     blank_figure,
     draw_zero,

@@ -25,10 +25,9 @@ from bristle_sim.comparison import Report, cells
 from bristle_sim.declared import Declaration
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import OUTCOMES
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.pass_figure import pair_figure, pass_figure
-from bristle_sim.render.style import save_figure
+from bristle_sim.render.style import OUTCOMES, save_figure
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.version import __version__, named_commit
 

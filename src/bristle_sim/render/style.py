@@ -1,4 +1,4 @@
-"""The common look of pictures: fonts, panels, readable units, and files.
+"""The common look of pictures: colours, fonts, panels, readable units, and files.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and
 pyplot is not imported. matplotlib's constrained layout places panels and legends. Sizes are printed
@@ -21,7 +21,30 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
 from bristle_sim.files import checked_target, complete_or_absent
-from bristle_sim.render.colours import GREY
+
+# Colours that the colour-blind can distinguish
+BLACK = "#1a1a1a"
+GREY = "#6b6b6b"
+LIGHT = "#e4e4e4"
+BLUE = "#0072b2"
+ORANGE = "#e69f00"
+GREEN = "#009e73"
+VERMILION = "#d55e00"
+PURPLE = "#b8578e"
+SKY = "#56b4e9"
+OUTCOMES = {
+    "rebounds": BLUE,
+    "reverses its slip": GREEN,
+    "sticks and rebounds": ORANGE,
+    "stays": PURPLE,
+    "jams": VERMILION,
+    "does not strike": GREY,
+    "refused": LIGHT,
+}
+"""Colour of each outcome, as worded in sentences, on pages and maps."""
+
+SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+"""Colours of curves, in their order."""
 
 MILLIMETRES = 1e3
 MILLISECONDS = 1e3

@@ -16,11 +16,14 @@ from matplotlib.image import AxesImage
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
-from bristle_sim.render.colours import BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import (
+    BLUE,
+    GREY,
     MICROMETRES,
     MILLIMETRES,
+    SKY,
+    VERMILION,
     Scale,
     add_right_scale,
     blank_figure,

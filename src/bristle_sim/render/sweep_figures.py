@@ -1,23 +1,37 @@
-"""Figures of quantities over one or two parameters, of distributions under scatter, of trade-offs."""
+"""Figures of quantities over one or two parameters, of distributions under scatter, of trade-offs, and
+maps of a strike over the bar's position.
+"""
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
+from matplotlib.colors import CenteredNorm, to_rgb
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import KEYS
 from bristle_sim.passes.result import QUANTITIES as QUANTITIES_OF_PASSES
 from bristle_sim.passes.result import Ensemble
-from bristle_sim.render import style
-from bristle_sim.render.colours import BLACK, BLUE, GREY, OUTCOMES, SKY, VERMILION
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    MILLIMETRES,
+    OUTCOMES,
+    SKY,
+    STRIKE_LOOKS,
+    VERMILION,
+    blank_figure,
+    styled,
+    write_key,
+)
+from bristle_sim.studies.cue_map import CueMap
 from bristle_sim.studies.design import Design
 from bristle_sim.studies.scenario_sweep import Series, Swept
 from bristle_sim.studies.tolerances import Study
@@ -37,7 +51,7 @@ A single extreme value would otherwise take most of the scale."""
 MANY = 60  # number of points from which on a line is drawn without marks at its points
 
 
-@style.styled()
+@styled()
 def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     """Draw the outcome and other quantities over one or two parameters, in one panel each.
 
@@ -56,7 +70,7 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
         raise ValueError(f"--plot: must have results to draw; {found.failure.ravel()[0]}")
     panels = [*([] if found.outcome is None else [None]), *shown]
     rows = math.ceil(len(panels) / COLUMNS)
-    figure = style.blank_figure(COLUMNS * WIDTH, rows * HEIGHT + 1.0)
+    figure = blank_figure(COLUMNS * WIDTH, rows * HEIGHT + 1.0)
     places = figure.subplots(rows, COLUMNS, sharex=True, squeeze=False).ravel()
     axis_labels = [axis.heading for axis in found.axes.values()]
     x, *others = (axis.values / axis.display[1] for axis in found.axes.values())
@@ -97,7 +111,7 @@ def _draw_outcomes(axes: Axes, outcome: Any, x: Array, y: Array | None = None) -
     mark = {"marker": "s", "linestyle": "none", "markeredgecolor": GREY}
     present = set(outcome.ravel())
     looks = {word: {**mark, "color": color} for word, color in OUTCOMES.items() if word in present}
-    style.write_key(figure, looks, loc="outside upper center")
+    write_key(figure, looks, loc="outside upper center")
 
 
 def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
@@ -118,18 +132,18 @@ MOST = 6  # largest number of inputs shown for each output
 BAR = 0.36  # width of a bar; each input has two bars, and the inputs are 1 apart
 
 
-@style.styled()
+@styled()
 def tolerance_figure(study: Study) -> Figure:
     """Draw the scatter of each output, and the inputs that cause it.
 
     A histogram of the output shows its mean and the interval that contains 95 % of the passes. Bars
     show the Sobol indices of the most influential inputs.
     """
-    figure = style.blank_figure(16.0, 3.8 * len(study.outputs) + 1.2)
+    figure = blank_figure(16.0, 3.8 * len(study.outputs) + 1.2)
     places = figure.subplots(len(study.outputs), 2, squeeze=False)
     for number, (left, right) in enumerate(places):
         name = study.outputs[number]
-        title, unit, factor = style.STRIKE_LOOKS.get(name, (name.replace("_", " "), "", 1.0))
+        title, unit, factor = STRIKE_LOOKS.get(name, (name.replace("_", " "), "", 1.0))
         values = factor * study.values[number]
         left.hist(values, bins="auto", color=SKY, label="passes")
         middle = np.percentile(values, (2.5, 97.5))
@@ -153,7 +167,7 @@ def tolerance_figure(study: Study) -> Figure:
     return figure
 
 
-@style.styled()
+@styled()
 def trade_off_figure(found: Design) -> Figure:
     """Draw the best compromises between two quantities whose wanted values conflict.
 
@@ -166,7 +180,7 @@ def trade_off_figure(found: Design) -> Figure:
     wanted = {each.name: each.wanted for each in found.wants}
     reached = {each.name: each.reached for each in found.wants} | found.varied
     across, *rows = curves
-    figure = style.blank_figure(16.0, 4.0 * len(rows))
+    figure = blank_figure(16.0, 4.0 * len(rows))
     panels = figure.subplots(len(rows), sharex=True, squeeze=False).ravel()
     for axes, name in zip(panels, rows, strict=True):
         pair = [curves[across], curves[name]]
@@ -180,4 +194,59 @@ def trade_off_figure(found: Design) -> Figure:
         axes.set_ylabel(textwrap.fill(curves[name].heading, 22))
     panels[0].legend(fontsize=7.0)
     panels[-1].set_xlabel(curves[across].heading)
+    return figure
+
+
+MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
+
+
+@styled()
+def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> Figure:
+    """Draw maps of four quantities of the strike over the bar's position.
+
+    The quantities are lag, tip speed, normal work of compression and crater depth. White cells are
+    positions at which the bar does not lead to a cued strike.
+
+    Args:
+        found: the study, with the bar positions to mark.
+        x, y: coordinates of the bar on the maps, m.
+        maps: values of the quantities by name, as returned by
+            :func:`bristle_sim.studies.cue_map.position_map`.
+    """
+    assert found.tool.bar is not None
+    distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
+    arc = np.linspace(0.0, math.pi, 721)
+    places = (x * MILLIMETRES, y * MILLIMETRES)
+    lags = maps["lag_deg_at_contact"]
+    looks = [("s", "white"), ("^", BLUE), ("o", VERMILION), ("+", BLACK)]
+    if found.formula is None:
+        del looks[1]
+    figure = blank_figure(16.0, 15.3)
+    for axes, name in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, MAPS, strict=True):
+        title, unit, factor = STRIKE_LOOKS[name]
+        values = factor * maps[name]
+        known = values[np.isfinite(values)]
+        low, high = np.percentile(known, PERCENTILES) if known.size else (0.0, 1.0)
+        look: dict[str, Any] = {"vmin": low, "vmax": high}
+        if name == "lag_deg_at_contact":
+            half = max(abs(low), abs(high)) or 1.0
+            look = {"norm": CenteredNorm(halfrange=half), "cmap": "RdBu"}
+        cells = axes.pcolormesh(*places, values, shading="nearest", rasterized=True, **look)
+        figure.colorbar(cells, ax=axes, extend="both")
+        axes.set_title(f"{title} ({unit})")
+        if np.nanmin(lags) < 0.0 < np.nanmax(lags):
+            axes.contour(*places, lags, levels=[0.0], colors=BLACK, linewidths=0.9)
+        axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim(), aspect="equal")
+        axes.set(xlabel="S_H, along the workpart (mm)", ylabel="S_V, normal to the workpart (mm)")
+        axes.label_outer()
+        axes.grid(visible=False)
+        axes.plot([], [], color=BLACK, linewidth=0.9, label="lag zero")
+        label = "bar at its given distance from the hub"
+        axes.plot(distance * np.sin(arc), distance * np.cos(arc), "--", color=GREY, label=label)
+        for (label, direction), (marker, colour) in zip(found.marks.items(), looks, strict=True):
+            place = (distance * math.sin(direction), distance * math.cos(direction))
+            words = f"{label}, {math.degrees(direction):.2f}°"
+            axes.plot(*place, marker, color=colour, markeredgecolor=BLACK, label=words)
+    axes.plot([], [], "s", color="white", markeredgecolor=GREY, label="no cued strike")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

@@ -15,10 +15,25 @@ from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.arrays import Array
 from bristle_sim.readable import amount
-from bristle_sim.render import style
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.drawing import add_arrows, draw_wires
 from bristle_sim.render.film import HEADER, Film, slow_motion
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    MICROSECONDS,
+    MILLIMETRES,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    Look,
+    Scale,
+    blank_figure,
+    say,
+    signed,
+    styled,
+)
 from bristle_sim.studies.flexible_wire import FlexibleWire, measures
 from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.studies.wire_study import WireStudy
@@ -33,7 +48,7 @@ LOOKS = {
 """Label, colour and marker of each quantity of a strike."""
 
 
-@style.styled()
+@styled()
 def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     """Draw the contact force of a bending wire's strike, and compare bending wires with a rigid
     one.
@@ -42,7 +57,7 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     in contact and crater depth. They are drawn over the number of links that model the wire, and
     over the contact duration of the rigid wire.
     """
-    figure = style.blank_figure(16.0, 12.5)
+    figure = blank_figure(16.0, 12.5)
     panels = figure.subplot_mosaic([["force", "links"], ["duration", "duration"]])
     force, by_links, by_duration = panels.values()
     _draw_force(force, struck)
@@ -52,15 +67,15 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
         xlabel="contact duration of the rigid bristle, $T$ (µs); dotted: in the panel above",
     )
     by_duration.set_ylabel(f"wire of {struck.strike.tool.bristle.links} links / rigid bristle")
-    durations = study.durations * style.MICROSECONDS
+    durations = study.durations * MICROSECONDS
     for name, (words, color, marker) in LOOKS.items():
-        look: style.Look = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
+        look: Look = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
         by_links.plot(study.links, study.by_links[name], **look, linestyle="none")
         by_duration.plot(durations, study.by_duration[name], **look)
     by_links.xaxis.set_major_locator(MaxNLocator(integer=True))
     by_duration.xaxis.set_major_formatter("{x:g}")
     by_duration.set_xlim(durations.min(), durations.max())
-    own = struck.strike.contact.duration * style.MICROSECONDS
+    own = struck.strike.contact.duration * MICROSECONDS
     by_duration.axvline(own, color=BLACK, linewidth=0.8, linestyle=":")
     for axes in (by_links, by_duration):
         axes.axhline(1.0, color=GREY, linewidth=0.8, linestyle="--")
@@ -89,7 +104,7 @@ def _draw_force(axes: Axes, struck: FlexibleWire) -> None:
 def _draw_course(axes: Axes, run: Any, color: str, label: str = "") -> None:
     """Draw the normal force (N) of a contact over time (us), with the area below it shaded."""
     touch, force = _force(run)
-    time = style.MICROSECONDS * touch
+    time = MICROSECONDS * touch
     axes.fill_between(time, force, color=color, alpha=0.12, linewidth=0.0)
     axes.plot(time, force, color=color, label=label)
 
@@ -111,12 +126,12 @@ class WireFilm(Film):
     size = (960, 540)
     letter_size = 15.0
 
-    @style.styled()
+    @styled()
     def __init__(
         self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0
     ) -> None:
         warp = slow_motion(0.0, float(struck.wire.time[-1]), duration)
-        super().__init__(warp, width, height, (BLUE, ORANGE), style.Scale(style.MICROSECONDS, "µs"))
+        super().__init__(warp, width, height, (BLUE, ORANGE), Scale(MICROSECONDS, "µs"))
         tool = struck.strike.tool
         self._links = tool.bristle.links
         self._runs = (struck.wire, struck.rigid)
@@ -147,8 +162,8 @@ class WireFilm(Film):
         for drawing, line in zip(self.wires, lines, strict=True):
             drawing.place(line)
         up = np.array([0.0, self._longest * pushed / force.max()])
-        self.arrow.set_offsets(style.MILLIMETRES * (wire[-1] - up))
-        self.arrow.set_UVC(*(style.MILLIMETRES * up))
+        self.arrow.set_offsets(MILLIMETRES * (wire[-1] - up))
+        self.arrow.set_UVC(*(MILLIMETRES * up))
         caption = "the wave is at the root"
         if time > touch[-1]:
             caption = "released, the wire swings on"
@@ -157,7 +172,7 @@ class WireFilm(Film):
         elif time < self.arrival:
             caption = "the end is struck; the wave is on its way to the root"
         readings = (("wire", pushed), ("rigid", rigid))
-        return caption, *(f"{name} {style.signed(value, 1, 5)} N" for name, value in readings)
+        return caption, *(f"{name} {signed(value, 1, 5)} N" for name, value in readings)
 
 
 def _force(run: Any) -> tuple[Array, Array]:
@@ -179,7 +194,7 @@ def _draw_wave(axes: Axes, struck: FlexibleWire) -> float:
     bristle = struck.strike.tool.bristle
     run = struck.wire
     if bristle.links == 1:
-        style.say(axes, "a rigid bristle does not bend")
+        say(axes, "a rigid bristle does not bend")
         return 0.0
     stiffness = hinge_stiffness(
         bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links
@@ -187,10 +202,10 @@ def _draw_wave(axes: Axes, struck: FlexibleWire) -> float:
     time = np.linspace(0.0, float(run.time[-1]), GRID)
     moments = 1e3 * stiffness * np.diff(cubics(run.time, run.angles)(time), axis=1).T
     most = float(np.abs(moments).max())
-    length = bristle.length * style.MILLIMETRES
+    length = bristle.length * MILLIMETRES
     half = 0.5 * length / bristle.links
-    sides = (0.0, float(time[-1]) * style.MICROSECONDS, length - half, half)
-    look: style.Look = {
+    sides = (0.0, float(time[-1]) * MICROSECONDS, length - half, half)
+    look: Look = {
         "cmap": "RdBu",
         "norm": CenteredNorm(halfrange=most),
         "interpolation": "bilinear",
