@@ -89,9 +89,7 @@ def resolve_impacts(
     system.scene.keep_closed(())
     record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
     jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
-    if jams:
-        system.stop(StopReason.JAM)
-    system.event(name, system.wires_of(pair))
+    system.event(name, system.wires_of(pair), lasts=jams)
     if jams:
         jam(system, pair)
         return Motion(contacts)
@@ -149,12 +147,10 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
     for _ in range(MOST_IMPACTS_AT_ONCE * len(closed) ** 2):
         rates = {pair: system.approach(pair) for pair in closed}
         fastest = min(rates, key=rates.__getitem__)
-        if rates[fastest] >= -slow:
+        still = rates[fastest] >= -slow
+        if still or _resolve(system, fastest, rests=False).outcome == Outcome.JAM:
             break
-        if _resolve(system, fastest, rests=False).outcome == Outcome.JAM:
-            jam(system, fastest)
-            return Motion(motion.contacts)
-    else:
+    if not still:
         jam(system, fastest)
         return Motion(motion.contacts)
     leaving = tuple(pair for pair in closed if rates[pair] > slow)

@@ -202,13 +202,11 @@ class RigidContacts:
 
         Where two straight segments of a link touch at a corner, also select the segment in contact.
         """
-        mechanism = self.scene.mechanism
+        # At a corner two segments touch. The motion in the time MOMENT selects one.
+        later = _a_moment_later(state)
+        poses = self.scene.mechanism.poses(later)
         for contact in self.closed:
-            pair = contact.pair
-            if pair.partner is not None or len(mechanism.links[pair.link].corners) > 2:
-                # At a corner two segments touch. The motion in the time MOMENT selects one.
-                later = _a_moment_later(state)
-                contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
+            contact.piece = contact.pair.closest(poses, later.rates).piece
         self.scene.keep_closed(self.closed)
 
     def begin(self, step: float, *, symmetric: bool = False) -> None:
@@ -274,10 +272,6 @@ class RigidContacts:
         poses = mechanism.poses(state)
         point = contact_at(mechanism, state, pair)
         touch = point.touch
-        slip = touch.velocity[1]
-        sense = contact.slip
-        if sense is None:
-            sense = int(math.copysign(abs(slip) > LEAST_SLIP, slip))
         normal, coupling = point.inverse_mass[0]
         free = 0.0
         for number, arm in ((pair.link, touch.arm), (pair.partner, touch.partner_arm)):
@@ -285,7 +279,7 @@ class RigidContacts:
                 link = mechanism.links[number]
                 lever = cross(arm - poses[number].to_centre, touch.normal)
                 free += 1.0 / link.mass + lever**2 / link.inertia
-        return (normal - pair.friction * sense * coupling) / free
+        return (normal - pair.friction * (contact.slip or 0) * coupling) / free
 
     def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
         """Set the sense of slip of a new contact, which friction opposes.

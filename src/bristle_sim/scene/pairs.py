@@ -208,12 +208,13 @@ class BarPair(FixedPair):
         Segment ``piece`` touches. A segment whose closest point is its corner towards that segment
         is left out. If no segment remains, the gap is infinite.
         """
-        lines = self.lines(pose.corners)
+        gaps = [math.inf]
         ends = self.ends_passed(pose)
-        inner = [line for line, end in zip(lines[:piece], ends[1::2], strict=False) if end < 0.0]
-        outer = zip(lines[piece + 1 :], ends[2 * piece + 2 :: 2], strict=True)
-        inner += [line for line, start in outer if start > 0.0]
-        return min((self.touch(*line)[0] for line in inner), default=math.inf)
+        for index, line in enumerate(self.lines(pose.corners)):
+            beside = ends[2 * index + 1] < 0.0 if index < piece else ends[2 * index] > 0.0
+            if beside and index != piece:
+                gaps.append(self.touch(*line)[0])
+        return min(gaps)
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,18 +297,15 @@ class WirePair:
         partner_arm = point - partner.joint
         velocity = pose.velocity + 1j * rates[self.link] * arm
         velocity -= partner.velocity + 1j * rates[self.partner] * partner_arm
-        both = ((own, other), (other, own))
-        if all(_side(line, start) * _side(line, end) < 0.0 for line, (start, end) in both):
-            distance = -distance  # the centre lines cross
-        gap = distance - 2.0 * self.wire_radius + self.dent
+        # The centre lines cross if the ends of each are on two sides of the other.
+        crossed = all(
+            cross(end - start, first - start) * cross(end - start, second - start) < 0.0
+            for (start, end), (first, second) in ((own, other), (other, own))
+        )
+        gap = (-distance if crossed else distance) - 2.0 * self.wire_radius + self.dent
         velocity *= normal.conjugate()
         components = (velocity.real, -velocity.imag)
         return ClosestApproach(gap, arm, normal, components, piece, partner_arm)
-
-
-def _side(line: Line, point: complex) -> float:
-    """Return a number whose sign is that of the side of an infinite line on which a point lies."""
-    return cross(line[1] - line[0], point - line[0])
 
 
 ContactPair = BarPair | WorkpartPair | WirePair
