@@ -45,8 +45,9 @@ from bristle_sim.render.style import (
 )
 from bristle_sim.studies.contact_laws import Impacts
 from bristle_sim.studies.impulse_course import energetic_course, recorded_course
-from bristle_sim.studies.timed_contact import compression_end, pieces
+from bristle_sim.studies.timed_contact import compression_end
 from bristle_sim.trajectory import ContactRecord
+from bristle_sim.trajectory.interpolation import smooth_pieces
 
 COLOURS = {"normal": BLUE, "tangential": VERMILION}
 """Colours of the components of a vector at the tip, in the order in which arrays hold them."""
@@ -188,7 +189,7 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     path = np.pad(np.cumsum(ways, axis=1), ((0, 0), (1, 0)))
     vectors = {"velocity": velocity, "force": force, "path": path - path[:, 1:2]}
     # The shortest pieces, beyond the number of phases, are rounding at the end of other pieces.
-    longest = sorted(pieces(clock), key=lambda piece: clock[piece[0]] - clock[piece[1] - 1])
+    longest = sorted(smooth_pieces(clock), key=lambda piece: clock[piece[0]] - clock[piece[1]])
     begins = sorted(float(clock[first]) for first, _ in longest[: len(record.phases)])
     phases = [Phase(*each) for each in zip(begins, record.phases, strict=False)]
     stays = record.outcome in ("stiction", "jam")

@@ -35,9 +35,9 @@ from bristle_sim.render.style import (
     styled,
 )
 from bristle_sim.studies.flexible_wire import FlexibleWire, measures
-from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.studies.wire_study import WireStudy
 from bristle_sim.theory.wire import hinge_stiffness
+from bristle_sim.trajectory.interpolation import cubics
 
 LOOKS = {
     "normal_final_impulse": ("impulse", BLUE, "o"),

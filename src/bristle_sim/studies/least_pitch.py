@@ -18,8 +18,8 @@ from scipy.optimize import brentq, minimize_scalar
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.studies.pass_invariants import X_Y, Points
-from bristle_sim.studies.timed_contact import cubics
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.interpolation import cubics
 
 # Smallest step between tried pitches, rad. If the distance of the wires has a minimum in between,
 # the minimum is refined.

@@ -11,12 +11,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
+from scipy.interpolate import PPoly
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
@@ -27,6 +26,7 @@ from bristle_sim.studies.impacts import radial_chain
 from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import normal_compressive_impulse
 from bristle_sim.trajectory import ContactHistory
+from bristle_sim.trajectory.interpolation import cubics, smooth_pieces
 
 Result = TypeVar("Result")
 
@@ -38,39 +38,12 @@ LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in an
 PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
 
 
-def cubics(*samples: Array) -> PPoly:
-    """Return a piecewise cubic interpolant through samples of a function of time.
-
-    The interpolant may jump at instants that are sampled more than once. Between them it is a cubic
-    spline, or a cubic Hermite spline if the slopes are given.
-
-    Args:
-        samples: times, shape (n,); values, shape (n, ...); and, if known, slopes, shape (n, ...).
-    """
-    kind = CubicHermiteSpline if len(samples) > 2 else CubicSpline
-    time = samples[0]
-    parts = [kind(*(each[first:last] for each in samples)) for first, last in pieces(time)]
-    starts = np.concatenate([each.x[:-1] for each in parts])
-    coefficients = np.concatenate([each.c for each in parts], axis=1)
-    return PPoly(coefficients, np.append(starts, time[-1]))
-
-
 def integral(time: Array, values: Array) -> Array:
     """Return the integral of sampled values from the first sample to each sample.
 
     The values are interpolated by cubic splines.
     """
     return np.asarray(cubics(time, values).antiderivative()(time))
-
-
-def pieces(time: Array) -> list[tuple[int, int]]:
-    """Return the index ranges (first, last + 1) of the smooth parts of a record.
-
-    Smooth parts are separated by instants that are sampled twice, equal except for rounding error.
-    """
-    least = 1e-12 * float(time[-1] - time[0])
-    edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
-    return [(first, last) for first, last in pairwise(edges) if last - first > 1]
 
 
 def compression_end(history: ContactHistory) -> float:
@@ -126,10 +99,11 @@ class TimedContact:
         """
         depth = self.history.penetration
         slopes = np.zeros_like(self.time)
-        for first, last in pieces(self.time):
-            deeper = depth[last - 1] - depth[first]
-            stiffness = (self.force[last - 1] - self.force[first]) / deeper if deeper else 0.0
-            slopes[first:last] = -stiffness * self.history.normal_velocity[first:last]
+        for first, last in smooth_pieces(self.time):
+            deeper = depth[last] - depth[first]
+            stiffness = (self.force[last] - self.force[first]) / deeper if deeper else 0.0
+            section = slice(first, last + 1)
+            slopes[section] = -stiffness * self.history.normal_velocity[section]
         return cubics(self.time, self.force, slopes)
 
     @property

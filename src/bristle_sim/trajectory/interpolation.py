@@ -8,19 +8,27 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.declared import Range
 from bristle_sim.trajectory.records import SAMPLED, ContactRecord, Motion
 from bristle_sim.units import shown
 
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
+
 Pieces = list[tuple[int, int]]
-"""Indices of the first and the last sample of each smooth section of a run."""
+"""Indices of the first and the last sample of each smooth section of a record."""
+
+# Largest difference of the times of two samples at one instant, divided by the duration of the
+# record
+SAME_TIME = 1e-12
 
 # Largest number of samples of a polynomial. Each sample has a value and a slope, so the degree is
 # at most 15.
@@ -75,21 +83,21 @@ class Interpolation:
             instants = (contact.time, contact.time + contact.duration)
             begin, last = (int(np.abs(run.time - each).argmin()) for each in instants)
             ends |= {int(np.searchsorted(run.time, run.time[begin], side="right")) - 1, last}
-        self._pieces = _smooth_pieces(run.time, ends)
+        self._pieces = smooth_pieces(run.time, ends)
         if not self._pieces:
             raise ValueError(
                 "trajectory: must have samples of two different instants to be interpolated"
             )
-        self._splines = []
         scalars = np.stack([run.normal_force, run.kinetic_energy, run.potential_energy], axis=1)
+        splines = []
         for first, last in self._pieces:
             values = scalars[first : last + 1].copy()
             middle = 0.5 * (run.time[first] + run.time[last])
             if not any(each.time < middle < each.time + each.duration for each in lasting):
-                values[:, 0] = (
-                    0.0  # no force in flight, even if the contact before or after it has one
-                )
-            self._splines.append(CubicSpline(run.time[first : last + 1], values))
+                # no force in flight, even if the contact before or after it has one
+                values[:, 0] = 0.0
+            splines.append(CubicSpline(run.time[first : last + 1], values))
+        self._scalars = _joined(splines)
 
     def __call__(self, time: ArrayLike, side: str = "after") -> Motion:
         """Return the motion at one or several instants (s), as ``Trajectory.at`` does."""
@@ -104,12 +112,10 @@ class Interpolation:
         outside = ~((instants >= run.time[0]) & (instants <= run.time[-1]))
         if outside.any():
             raise ValueError(f"time = {instants[outside].flat[0]}: {limits}")
-        flat = instants.ravel()
         links = run.angles.shape[1]
-        force, kinetic, potential = (
-            each.reshape(instants.shape) for each in self._scalars(flat, side).T
-        )
-        places, slopes = self._motion(flat, side)
+        flat = self._on_side(instants.ravel(), side)
+        force, kinetic, potential = (each.reshape(instants.shape) for each in self._scalars(flat).T)
+        places, slopes = self._motion(flat)
         angles = (*instants.shape, links)
         lines = (*instants.shape, run.centre_line.shape[1], 2)
         return Motion(
@@ -151,40 +157,28 @@ class Interpolation:
         If the force jumps at an instant, ``side`` selects the value ``before`` or ``after`` the
         jump. The computation takes a hundredth of the time that ``__call__`` needs.
         """
-        return self._scalars(time, side)[:, 0]
+        return np.asarray(self._scalars(self._on_side(time, side))[:, 0])
 
-    def _chosen(self, instants: Array, side: str) -> NDArray[np.intp]:
-        """Return, for each instant, the index of the smooth section of the run that contains it.
+    def _on_side(self, instants: Array, side: str) -> Array:
+        """Return the instants (s) at which the motion is evaluated.
 
-        Where two sections meet, ``side`` selects the section ``before`` or ``after`` the instant.
+        They are the given ones, or for the side ``before`` the next smaller numbers.
         """
-        starts, ends = self.run.time[np.array(self._pieces)].T
         if side == "after":
-            return np.searchsorted(starts, instants, side="right") - 1
-        return np.searchsorted(ends, instants, side="left")
+            return instants
+        return np.maximum(np.nextafter(instants, -math.inf), self.run.time[0])
 
-    def _scalars(self, instants: Array, side: str) -> Array:
-        """Return normal force (N), kinetic energy (J) and potential energy (J) at the instants.
-
-        The array has the shape (instants, 3). ``side`` selects the values ``before`` or ``after`` a
-        jump.
-        """
-        chosen = self._chosen(instants, side)
-        found = np.empty((instants.size, 3))
-        for number in np.unique(chosen):
-            found[chosen == number] = self._splines[number](instants[chosen == number])
-        return found
-
-    def _motion(self, instants: Array, side: str) -> Array:
+    def _motion(self, instants: Array) -> Array:
         """Return link angles and centre-line corners at the instants, and their time derivatives.
 
-        The array has the shape (2, instants, columns): values first, then derivatives. ``side``
-        selects the values ``before`` or ``after`` a jump.
+        The array has the shape (2, instants, columns): values first, then derivatives.
         """
         from scipy.interpolate import KroghInterpolator
 
         time = self.run.time
-        first, last = np.array(self._pieces)[self._chosen(instants, side)].T
+        pieces = np.array(self._pieces)
+        piece = np.searchsorted(time[pieces[:, 0]], instants, side="right") - 1
+        first, last = pieces[piece].T
         low = np.clip(np.searchsorted(time, instants, side="right") - 1, first, last - 1)
         found = np.empty((2, instants.size, self._states.shape[2]))
         for each in np.unique(low):
@@ -226,18 +220,49 @@ def _window(time: Array, piece: tuple[int, int], low: int) -> list[int]:
     return list(chosen)
 
 
-def _smooth_pieces(time: Array, kinks: set[int]) -> Pieces:
-    """Return the first and the last sample of each smooth section of a run, by index.
+def smooth_pieces(time: Array, kinks: Collection[int] = ()) -> Pieces:
+    """Return the first and the last sample of each smooth section of a record, by index.
 
-    A section lies between two neighbouring kinks or jumps of the motion, and has a positive length.
+    A section lies between two neighbouring kinks or jumps, and has a positive length.
 
     Args:
-        time: times of all samples, s. Two samples at the same time mark a jump.
-        kinks: indices of the samples at which a sustained or compliant contact begins or ends.
+        time: times of all samples, s. Two samples at the same time, equal except for rounding
+            error, mark a jump.
+        kinks: indices of the samples at which a derivative jumps, as where a sustained or compliant
+            contact begins or ends.
     """
-    jumps = np.flatnonzero(np.diff(time) <= 0.0).tolist()
+    jumps = np.flatnonzero(np.diff(time) <= SAME_TIME * (time[-1] - time[0])).tolist()
     corners = [
         [start + 1, *sorted(each for each in kinks if start + 1 < each < end), end]
         for start, end in pairwise([-1, *jumps, time.size - 1])
     ]
     return [(first, last) for each in corners for first, last in pairwise(each) if last > first]
+
+
+def cubics(*samples: Array) -> PPoly:
+    """Return a piecewise cubic interpolant through samples of a function of time.
+
+    The interpolant may jump at instants that are sampled more than once. Between them it is a cubic
+    spline, or a cubic Hermite spline if the slopes are given.
+
+    Args:
+        samples: times, shape (n,); values, shape (n, ...); and, if known, slopes, shape (n, ...).
+    """
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
+    kind = CubicHermiteSpline if len(samples) > 2 else CubicSpline
+    return _joined(
+        [
+            kind(*(each[first : last + 1] for each in samples))
+            for first, last in smooth_pieces(samples[0])
+        ]
+    )
+
+
+def _joined(parts: Sequence[PPoly]) -> PPoly:
+    """Return one piecewise polynomial from the polynomials of consecutive intervals."""
+    from scipy.interpolate import PPoly
+
+    starts = np.concatenate([each.x[:-1] for each in parts])
+    coefficients = np.concatenate([each.c for each in parts], axis=1)
+    return PPoly(coefficients, np.append(starts, parts[-1].x[-1]))
