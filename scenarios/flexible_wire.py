@@ -41,7 +41,7 @@ def run(
 def plot(report: Report) -> Picture:
     """Draw the force over time, and the effects of contact stiffness and number of links."""
     from bristle_sim.render.wire_pictures import wire_figure
-    from bristle_sim.studies.wire_study import wire_study
+    from bristle_sim.studies.flexible_wire import wire_study
 
     return wire_figure(report.subject, wire_study(report.subject.strike))
 

@@ -33,7 +33,7 @@ class Settings(Declared):
     )
     hub_turn: float = quantity(
         4.71238898038469,
-        "1e-12 <= hub_turn <= 1e6 rad: angle by which the hub turns in the pass [three quarters of a turn]",
+        "1e-12 <= hub_turn <= 1e6 rad: angle by which the hub turns in the pass [three quarters of a revolution]",
         usual=ANY,
     )
     samples_per_period: int | None = count(

@@ -7,8 +7,7 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface
 from bristle_sim.render.wire_pictures import WireFilm
 from bristle_sim.settings import Settings
-from bristle_sim.studies.flexible_wire import again, flexible_wire
-from bristle_sim.studies.wire_study import wire_study
+from bristle_sim.studies.flexible_wire import again, flexible_wire, wire_study
 
 SMOOTH = Surface(0.0)
 

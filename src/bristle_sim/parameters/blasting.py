@@ -50,7 +50,7 @@ class Blasting(Declared):
     )
     areal_ratio: float | None = quantity(
         None,
-        "0 < areal_ratio <= 100: sum of the craters' areas over the area of the ground at which blasting ends; none: the feed"
+        "0 < areal_ratio <= 100: sum of the craters' areas divided by the ground's area, at the end of blasting; none: the feed"
         " decides"
         " [none: feed and passes decide]",
         usual=ANY,
@@ -99,7 +99,7 @@ class Blasting(Declared):
     passes: int = count(1, "1 <= passes <= 1000: passes over the same track [chosen]")
     depth_scatter: float = quantity(
         0.015,
-        "0 <= depth_scatter <= 0.33: standard deviation of a crater's depth over its mean, normally distributed, cut off at three standard deviations"
+        "0 <= depth_scatter <= 0.33: standard deviation of a crater's depth divided by its mean, normally distributed, cut off at three standard deviations"
         " [from the spreads of the scenario tolerances]",
         usual=ANY,
     )

@@ -13,10 +13,10 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 
 def speed_ratio_at_strike() -> Any:
     """Declare the field for the bristle's angular velocity divided by the hub's, at the strike."""
-    source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
+    source = "Zhang 2020, caption of fig. 2.7: R, bristle rate divided by hub speed"
     return quantity(
         3.23,
-        f"0 <= speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R [{source}]",
+        f"0 <= speed_ratio <= 1e6: bristle's rate divided by the hub's speed when it strikes, R [{source}]",
     )
 
 
@@ -125,7 +125,7 @@ class DoublePendulum(Declared):
     )
     mass_ratio: float = quantity(
         1.0,
-        "1e-9 <= mass_ratio <= 1e12: mass of the first rod over the second's, n"
+        "1e-9 <= mass_ratio <= 1e12: mass of the first rod divided by the second's, n"
         " [Zhang 2020, sec. 2.4.2.1: n = m_1/m_2]",
         usual=ANY,
     )

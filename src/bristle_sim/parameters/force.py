@@ -59,7 +59,7 @@ class ForceHistory(Declared):
 
     speed_ratio: float | None = quantity(
         None,
-        "0 < speed_ratio <= 1e6: bristle's rate over the hub's speed when it strikes, R; none: from the"
+        "0 < speed_ratio <= 1e6: bristle's rate divided by the hub's speed when it strikes, R; none: from the"
         " impulse of the curve [the one that gives the curve's compressive impulse]",
     )
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 3.9: gamma")
@@ -104,7 +104,7 @@ class Measured(Declared):
 
     tangential_compliance: float = quantity(
         1.15,
-        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal over that along the surface,"
+        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal divided by that along the surface,"
         " eta^2 [(2 - nu)/(2 (1 - nu)) with nu = 0.23, soda-lime glass and aluminium oxide (Stronge 2018, ch. 5)]",
     )
     data: str | None = text(

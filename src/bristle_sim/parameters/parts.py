@@ -2,6 +2,9 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.declared import Computed, Declared, declarations
@@ -140,7 +143,7 @@ class Bristle(Declared):
     density: float = quantity(
         PRINTED_DENSITY,
         "1e-3 <= wire_density <= 1e6 kg/m^3: density of the wire, from which its mass follows"
-        " [Zhang 2020, caption of fig. 2.7: 8.387e-5 kg over the wire's volume; steel]",
+        " [Zhang 2020, caption of fig. 2.7: 8.387e-5 kg divided by the wire's volume; steel]",
         needs="bristle_mass = none",
     )
 
@@ -253,6 +256,20 @@ class Bar(Declared):
         """Position of the bar's centre, (x, y) from the hub's centre, m."""
         return (-self.horizontal, -self.vertical)
 
+    def nearest(self, lines: Any) -> Any:
+        """Return the point of each centre line that is nearest to the bar.
+
+        ``lines`` holds the corners of the centre lines as complex numbers x + i y from the hub's
+        centre (m), shape (..., corners). The points have the shape (...).
+        """
+        centre = complex(*self.centre)
+        start = lines[..., :-1]
+        along = np.diff(lines)
+        fraction = np.clip((np.conj(along) * (centre - start)).real / abs(along) ** 2, 0.0, 1.0)
+        points = start + fraction * along
+        piece = abs(points - centre).argmin(axis=-1, keepdims=True)
+        return np.take_along_axis(points, piece, axis=-1)[..., 0]
+
 
 @dataclass(frozen=True, slots=True)
 class Surface(Declared):
@@ -315,7 +332,7 @@ class Contact(Declared):
     )
     tangential_compliance: float = quantity(
         0.0,
-        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal over its stiffness along the surface,"
+        "0 <= tangential_compliance <= 1e4: stiffness of the contact along its normal divided by its stiffness along the surface,"
         " eta^2; 1.21: steel [chosen: rigid along the surface]",
         usual=ANY,
     )

@@ -34,8 +34,7 @@ from bristle_sim.render.style import (
     signed,
     styled,
 )
-from bristle_sim.studies.flexible_wire import FlexibleWire, measures
-from bristle_sim.studies.wire_study import WireStudy
+from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
 from bristle_sim.theory.wire import hinge_stiffness
 from bristle_sim.trajectory.interpolation import cubics
 

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import (
     Belt,
@@ -52,17 +53,17 @@ FREQUENCIES = {
 }
 
 REFERENCE_ACCURACY = 1e-9
+# Largest coefficient of friction for which the reference is computed. Higher friction shortens the
+# slip, which the reference then resolves by shorter steps.
 REFERENCE_FRICTION = 10.0
-"""Largest coefficient of friction for which the reference is computed. Higher
-friction shortens the slip, which the reference then resolves by shorter steps."""
+STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: errors far below the width of a line
+# Durations of the rigid bristle's contact, divided by the requested duration. They stand for the
+# contact stiffnesses of the figure.
+STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
-NO_REFERENCE = (
-    "There is a reference for the frequencies alone: with a friction of more than"
-    f" {REFERENCE_FRICTION:g}, or with a wire as stiff as this, it takes too many steps."
-)
+ALONE = "There is a reference for the frequencies alone"
 
-# Longest contact that the reference follows, in durations of the rigid bristle's contact
-LONGEST_CONTACT = 10.0
+LONGEST_CONTACT = 10.0  # longest contact of the reference, in durations of the rigid bristle's
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,9 +89,8 @@ class FlexibleStrike:
     def stiffness(self) -> float:
         """Stiffness of the contact, N/m.
 
-        It follows from the duration of the rigid bristle's contact and the bristle's inverse normal
-        mass at the tip, K_nn = L^2 sin^2(gamma)/I. L is the bristle's length, I its inertia about
-        the root, and gamma the impact angle.
+        It follows from the duration of the rigid bristle's contact and the inverse normal mass at
+        its tip, K_nn = L^2 sin^2(gamma)/I, with the inertia I about the root.
         """
         bristle = self.tool.bristle
         part = self.tool.workpart
@@ -101,10 +101,7 @@ class FlexibleStrike:
         return self.contact.stiffness(inverse_mass, part.restitution)
 
     def of(self, links: int, **changes: Any) -> FlexibleStrike:
-        """Return the same strike of a wire with another number of links.
-
-        ``changes`` are new values of other attributes, such as ``contact`` or ``settings``.
-        """
+        """Return the strike of a wire with another number of links, and other changed attributes."""
         return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
     def run(self, flight: float = 0.0) -> ChainStrike:
@@ -137,8 +134,7 @@ class FlexibleWire:
 
     Attributes:
         strike: the requested strike.
-        wire: simulated strike of the wire of links.
-        rigid: simulated strike of the rigid bristle.
+        wire, rigid: simulated strikes of the wire of links and of the rigid bristle.
     """
 
     strike: FlexibleStrike
@@ -173,13 +169,8 @@ def flexible_wire(
     own = measures(struck, wire.contact)
     stiff = measures(struck, rigid.contact)
     outcome = rigid.contact.outcome
-    reference = dict[str, float]()
-    friction = max(surface.friction, surface.friction_in_restitution)
-    if with_reference and friction <= REFERENCE_FRICTION:
-        reference = _reference(struck, outcome)
     simulated = own | {RATIO: ratios(own, stiff)["normal_final_impulse"]}
-    units = MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}
-    within = dict.fromkeys(reference, max(1e-8, 10.0 * settings.accuracy))
+    units = MEASURES | {RATIO: ("impulse divided by the rigid bristle's", "1")}
     remarks = [
         f"theory: the beam for the frequencies, else the rigid bristle at the contact stiffness of {struck.stiffness:.4g} N/m",
         f"The crater is cut in API 5L steel with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression.",
@@ -188,8 +179,22 @@ def flexible_wire(
         remarks.append(
             f"The rigid bristle's outcome is {outcome}; its values are those up to the end of compression."
         )
-    if with_reference and not reference:
-        remarks.append(NO_REFERENCE)
+    reference = dict[str, float]()
+    friction = max(surface.friction, surface.friction_in_restitution)
+    if with_reference and friction > REFERENCE_FRICTION:
+        remarks.append(
+            f"{ALONE}: with a friction of more than {REFERENCE_FRICTION:g} it takes long."
+        )
+    elif with_reference:
+        try:
+            found = measures(struck, struck.reference())
+            if outcome == "rebound":
+                other = measures(struck, struck.of(1).reference())
+                found[RATIO] = ratios(found, other)["normal_final_impulse"]
+            reference = found
+        except ValueError as error:
+            remarks.append(f"{ALONE}: {error}.")
+    within = dict.fromkeys(reference, max(1e-8, 10.0 * settings.accuracy))
     return Report(
         **record_fields(wire, strike=0.0, release=wire.contact.duration),
         quantities=(
@@ -218,31 +223,10 @@ def _answer(
 
 
 def again(wire: ChainStrike) -> float | None:
-    """Return the instant at which the wire's end touches the workpart a second time.
-
-    It is in s after the first touch; None if there is no second touch within the simulated time.
-    """
+    """Return the time from the first to the second touch of the wire's end, s; None without one."""
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
     return float(wire.time[np.argmax(deeper)]) if deeper.any() else None
-
-
-def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
-    """Return the measures of the strike by the independent reference solution.
-
-    They include the ratio of the impulse to the rigid bristle's impulse if the rigid bristle
-    rebounds. The dictionary is empty if the reference takes too many steps.
-    """
-    from bristle_sim.reference import TooStiffError
-
-    try:
-        found = measures(strike, strike.reference())
-        if rigid_outcome == "rebound":
-            rigid = measures(strike, strike.of(1).reference())
-            found[RATIO] = ratios(found, rigid)["normal_final_impulse"]
-    except TooStiffError:
-        return {}
-    return found
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
@@ -259,17 +243,16 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
         )
     lost = -sum(contact.compressive_work)
     wire = strike.tool.bristle.wire_diameter
-    depth = float(crater_depth(lost, CUTTING_FRICTION, strike.impact_angle, wire))
-    force = float(contact.history.normal_force.max())
-    values = (contact.impulse[0], force, contact.duration, depth)
-    return dict(zip(MEASURES, values, strict=True))
+    return {
+        "normal_final_impulse": contact.impulse[0],
+        "peak_force": float(contact.history.normal_force.max()),
+        "time_in_touch": contact.duration,
+        "crater_depth": float(crater_depth(lost, CUTTING_FRICTION, strike.impact_angle, wire)),
+    }
 
 
 def ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """Return each measure of the first strike divided by that of the second.
-
-    A ratio with a divisor of 0 is NaN.
-    """
+    """Return each measure of the first strike divided by that of the second; NaN where that is 0."""
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 
@@ -297,19 +280,18 @@ def tool_at_surface(
 
 
 def _frequencies(tool: Tool, with_reference: bool) -> tuple[Quantity, ...]:
-    """Compare the simulated wire's bending frequencies with those of a beam.
-
-    The reference frequencies are those of a chain of links.
-    """
+    """Compare the simulated wire's bending frequencies with those of a beam and of a chain."""
     bristle = tool.bristle
-    wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus)
-    chain = chain_frequencies(*wire, tool.belt.stiffness, bristle.links)
+    beam = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus)
+    wire = (*beam, tool.belt.stiffness)
+    chain = chain_frequencies(*wire, bristle.links)
     # The mode 0 swings on the belt.
-    simulated = dict(zip(FREQUENCIES, wire_frequencies(tool)[1:], strict=False))
-    theory = dict(
-        zip(FREQUENCIES, beam_frequencies(*wire, tool.belt.stiffness, 3)[1:], strict=True)
+    simulated, theory, reference = (
+        dict(zip(FREQUENCIES, modes[1:], strict=False))
+        for modes in (wire_frequencies(tool), beam_frequencies(*wire, 3), chain)
     )
-    reference = dict(zip(FREQUENCIES, chain[1:], strict=False)) if with_reference else {}
+    if not with_reference:
+        reference = {}
     within = {}
     for name, value in reference.items():
         # Rounding of the largest eigenvalue, as an error of the square.
@@ -317,3 +299,50 @@ def _frequencies(tool: Tool, with_reference: bool) -> tuple[Quantity, ...]:
         if rounding < 1.0:
             within[name] = max(1e-6, rounding)
     return rows(FREQUENCIES, simulated, theory, reference, tolerances=within)
+
+
+@dataclass(frozen=True, slots=True)
+class WireStudy:
+    """Measures of a wire's strike divided by those of the rigid bristle's strike.
+
+    Attributes:
+        durations: durations (s) of the rigid bristle's contact, which stand for contact
+            stiffnesses.
+        by_duration: ratios at each of ``durations``, by name of the measure.
+        links: numbers of links.
+        by_links: ratios at each of ``links``, by name of the measure.
+    """
+
+    durations: Array
+    by_duration: dict[str, Array]
+    links: Array
+    by_links: dict[str, Array]
+
+
+def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
+    """Simulate strikes on contacts of several stiffnesses, and strikes of wires with fewer links.
+
+    Args:
+        strike: the requested strike.
+        stiffnesses: durations of the rigid bristle's contact divided by the requested duration.
+    """
+    most = strike.tool.bristle.links
+    durations = strike.contact.duration * np.array(stiffnesses)
+    numbers = range(1, max(2, most) + 1)
+    coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
+
+    def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
+        """Return the ratios of strikes, by name; NaN if one of the contacts does not end."""
+        found = []
+        for each in strikes:
+            try:
+                both = (measures(one, one.run().contact) for one in (each, each.of(1)))
+                found.append(ratios(*both))
+            except ValueError:
+                found.append(dict.fromkeys(MEASURES, math.nan))
+        return {name: np.array([each[name] for each in found]) for name in MEASURES}
+
+    contacts = [ContactStiffness(duration) for duration in durations.tolist()]
+    by_duration = compared(strike.of(most, contact=each, settings=coarse) for each in contacts)
+    by_links = compared(strike.of(links, settings=coarse) for links in numbers)
+    return WireStudy(durations, by_duration, np.array(numbers, dtype=float), by_links)

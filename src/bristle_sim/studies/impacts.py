@@ -58,7 +58,7 @@ PENDULUM = ("final_rate_1", "final_rate_2", *IMPULSES, "kinetic_energy_ratio")
 RODS = {
     "final_rate_1": ("rate of the first rod after", "rad/s"),
     "final_rate_2": ("rate of the second rod after", "rad/s"),
-    "kinetic_energy_ratio": ("kinetic energy after over before", "1"),
+    "kinetic_energy_ratio": ("kinetic energy after divided by before", "1"),
 }
 """Quantities of a double pendulum alone: label and unit."""
 

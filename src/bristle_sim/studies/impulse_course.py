@@ -14,9 +14,9 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
-from bristle_sim.studies.timed_contact import integral
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactHistory
+from bristle_sim.trajectory.interpolation import integral
 
 
 @dataclass(frozen=True, slots=True)

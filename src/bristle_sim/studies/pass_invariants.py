@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, rows
-from bristle_sim.parameters import Bar, Tool
+from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
@@ -184,7 +184,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
         corners = lines[:, 1:] if tool.bristle.links == 1 else lines[:, -1:]
         depths.append(-tool.workpart_depth - float(corners.imag.min()))
     if tool.bar is not None:
-        away = nearest(tool.bar, lines) - complex(*tool.bar.centre)
+        away = tool.bar.nearest(lines) - complex(*tool.bar.centre)
         depths.append(tool.bar_reach - float(abs(away).min()))
     return max(depths) / tool.bristle.length
 
@@ -234,21 +234,6 @@ def in_plane(normal: Any, pair: Any) -> Any:
     component.
     """
     return normal * (pair[0] - 1j * pair[1])
-
-
-def nearest(bar: Bar, lines: Points) -> Points:
-    """Return the point of each centre line that is nearest to the bar.
-
-    ``lines`` holds the corners of the centre lines as complex numbers, shape (..., corners). The
-    points have the shape (...).
-    """
-    centre = complex(*bar.centre)
-    start = lines[..., :-1]
-    along = np.diff(lines)
-    fraction = np.clip((np.conj(along) * (centre - start)).real / abs(along) ** 2, 0.0, 1.0)
-    points = start + fraction * along
-    piece = abs(points - centre).argmin(axis=-1, keepdims=True)
-    return np.take_along_axis(points, piece, axis=-1)[..., 0]
 
 
 def surface_point(tool: Tool, obstacle: str, place: Any) -> tuple[Any, Any]:

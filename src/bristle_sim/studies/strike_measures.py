@@ -25,7 +25,7 @@ IMPACT = {
     "normal_compressive_work": ("normal work of compression W_y", "J"),
     "tangential_compressive_work": ("tangential work of compression W_x", "J"),
     "final_bristle_rate": ("bristle's rate after the strike", "rad/s"),
-    "rebound_ratio": ("rate after the strike over before", "1"),
+    "rebound_ratio": ("rate after the strike divided by before", "1"),
 }
 """Impulses, works and angular velocities of a strike: label and unit of each quantity."""
 

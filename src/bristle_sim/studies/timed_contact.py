@@ -26,7 +26,7 @@ from bristle_sim.studies.impacts import radial_chain
 from bristle_sim.studies.whole_pass import record_fields
 from bristle_sim.theory.monofilament import normal_compressive_impulse
 from bristle_sim.trajectory import ContactHistory
-from bristle_sim.trajectory.interpolation import cubics, smooth_pieces
+from bristle_sim.trajectory.interpolation import cubics, integral, smooth_pieces
 
 Result = TypeVar("Result")
 
@@ -36,14 +36,6 @@ REQUEST_TOLERANCE = 1e-6
 MOST_ROUNDS = 30  # largest number of iterations of the adjustment, which usually takes five to ten
 LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in an iteration
 PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)
-
-
-def integral(time: Array, values: Array) -> Array:
-    """Return the integral of sampled values from the first sample to each sample.
-
-    The values are interpolated by cubic splines.
-    """
-    return np.asarray(cubics(time, values).antiderivative()(time))
 
 
 def compression_end(history: ContactHistory) -> float:

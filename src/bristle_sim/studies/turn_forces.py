@@ -23,7 +23,6 @@ from bristle_sim.studies.pass_invariants import (
     X_Y,
     impulse_moment,
     in_plane,
-    nearest,
     surface_point,
 )
 from bristle_sim.trajectory import ContactRecord, Interpolation, Trajectory
@@ -186,7 +185,7 @@ def _sustained(
     part = tool.bar if contact.obstacle == "bar" else tool.workpart
     assert part is not None
     corner = 1 if contact.point == "knee" else -1
-    place = nearest(part, lines) if isinstance(part, Bar) else lines[..., corner]
+    place = part.nearest(lines) if isinstance(part, Bar) else lines[..., corner]
     normal, point = surface_point(tool, contact.obstacle, place)
     root = lines[..., 0]
     velocity = 1j * (tool.hub.speed * root + at.rates[..., -1] * (point - root))

@@ -34,6 +34,7 @@ from bristle_sim.studies.strike_measures import (
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
+from bristle_sim.trajectory.trajectory import course_in_words
 
 LEAST_ERROR = 1e-8
 """Smallest relative error of the motion that the tolerances assume."""
@@ -109,7 +110,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         within,
     )
     invariants = invariant_rows(tool, settings, run)
-    remarks = [invariants_in_words(invariants), *run.course_in_words()]
+    remarks = [invariants_in_words(invariants), *course_in_words(run)]
     above = (run.cost.error_estimate or 0.0) > settings.accuracy
     if above and not run.accuracy_not_reached:
         remarks.append(

@@ -166,7 +166,7 @@ class Interpolation:
         """
         if side == "after":
             return instants
-        return np.maximum(np.nextafter(instants, -math.inf), self.run.time[0])
+        return np.asarray(np.maximum(np.nextafter(instants, -math.inf), self.run.time[0]))
 
     def _motion(self, instants: Array) -> Array:
         """Return link angles and centre-line corners at the instants, and their time derivatives.
@@ -257,6 +257,14 @@ def cubics(*samples: Array) -> PPoly:
             for first, last in smooth_pieces(samples[0])
         ]
     )
+
+
+def integral(time: Array, values: Array) -> Array:
+    """Return the integral of sampled values from the first sample to each sample.
+
+    The values are interpolated by cubic splines.
+    """
+    return np.asarray(cubics(time, values).antiderivative()(time))
 
 
 def _joined(parts: Sequence[PPoly]) -> PPoly:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass, field
-from itertools import pairwise
-from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,8 +32,8 @@ NOTABLE = 0.01
 
 EVENTS_SHOWN = 6  # largest number of events in a summary
 
-# Largest distance of a touch from a corner of the wire at which the corner counts as touched, as a
-# fraction of the length of the straight segment
+# Largest distance of a touch from a corner of the wire at which the corner counts as touched, divided
+# by the wire's length
 CORNER_ROUNDING = 1e-9
 
 
@@ -180,51 +178,27 @@ class Trajectory(Motion):
         is the corner of the centre line nearest to the workpart's surface. At the bar it is the
         point of the centre line nearest to the bar's centre.
         """
+        lines = self.centre_line @ (1.0, 1j)
         contacts = []
         for contact in self.contacts:
-            line = self.centre_line[int(abs(self.time - contact.time).argmin())].tolist()
-            corners = [complex(x, y) for x, y in line]
-            last = len(corners) - 1
+            corners = lines[abs(self.time - contact.time).argmin()]
             if contact.obstacle == "workpart":
-                heights = [abs(corner.imag + tool.workpart_depth) for corner in corners]
-                along = 1.0 + heights[1:].index(min(heights[1:]))
-                place = corners[int(along)]
-            elif contact.obstacle == "bar" and tool.bar is not None:
-                centre = complex(*tool.bar.centre)
-                nearest = []
-                for piece, (start, end) in enumerate(pairwise(corners)):
-                    part = min(max(((centre - start) / (end - start)).real, 0.0), 1.0)
-                    point = start + part * (end - start)
-                    nearest.append((abs(point - centre), piece + part, point))
-                _, along, place = min(nearest, key=itemgetter(0))
+                heights = abs(corners[1:].imag + tool.workpart_depth)
+                place = complex(corners[1 + heights.argmin()])
+            elif tool.bar is not None and contact.obstacle == "bar":
+                place = complex(tool.bar.nearest(corners))
             else:
                 contacts.append(contact)
                 continue
-            corner = round(along) if abs(along - round(along)) <= CORNER_ROUNDING else 0
-            name = "tip" if corner == last else "knee" if corner else "flank"
+            distances = abs(corners - place)
+            corner = int(distances.argmin())
+            name = "flank"
+            if corner and distances[corner] <= CORNER_ROUNDING * tool.bristle.length:
+                name = "tip" if corner == len(corners) - 1 else "knee"
             contacts.append(
                 dataclasses.replace(contact, point=name, place=(place.real, place.imag))
             )
         return dataclasses.replace(self, contacts=tuple(contacts))
-
-    def course_in_words(self) -> list[str]:
-        """Return three lines of text: the events, the reason of the stop, and the cost of the run."""
-        notable = self.notable_events
-        events = ", ".join(
-            f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
-        )
-        more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
-        cost = self.cost
-        error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-        if cost.holds_until is not None:
-            error += (
-                f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
-            )
-        return [
-            f"events: {events or 'none'}{more}",
-            f"stopped: {self.stop_reason}",
-            f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}",
-        ]
 
     def __repr__(self) -> str:
         """Return a text with one line each for samples, strike, events, reason of the stop, and
@@ -247,7 +221,7 @@ class Trajectory(Motion):
         lines = [
             f"Trajectory: {self.time.size} samples from {first:.4g} to {last:.4g} ms",
             f"strike: {strike}",
-            *self.course_in_words(),
+            *course_in_words(self),
             self.accuracy_not_reached,
         ]
         return "\n".join(filter(None, lines))
@@ -344,3 +318,21 @@ class Trajectory(Motion):
             ValueError: for a file of any other kind.
         """
         return cls(**read(named_path(path)))
+
+
+def course_in_words(run: Trajectory) -> list[str]:
+    """Return three lines of text: the events, the reason of the stop, and the cost of the run."""
+    notable = run.notable_events
+    events = ", ".join(
+        f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
+    )
+    more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
+    cost = run.cost
+    error = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
+    if cost.holds_until is not None:
+        error += f" up to {1e3 * cost.holds_until:.4g} ms; later touches depend on the error itself"
+    return [
+        f"events: {events or 'none'}{more}",
+        f"stopped: {run.stop_reason}",
+        f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}",
+    ]
