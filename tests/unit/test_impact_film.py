@@ -12,9 +12,8 @@ from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.render.impact_pictures import ImpactFilm, impact_figure
 from bristle_sim.render.style import save_figure
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_laws import Impacts
+from bristle_sim.studies.contact_laws import Impacts, energetic_course
 from bristle_sim.studies.impacts import oblique_impact
-from bristle_sim.studies.impulse_course import energetic_course
 from bristle_sim.studies.timed_contact import with_visible_contact
 from impact_cases import TRAPEZOIDAL, bristle, data, rods, words
 

@@ -10,7 +10,7 @@ import pytest
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impulse_course import energetic_course, recorded_course, tip_velocity
+from bristle_sim.studies.contact_laws import energetic_course, recorded_course, tip_velocity
 
 IDENTICAL_RODS = Chain((5.0, 5.0), (1.0, 1.0), (-math.pi / 9.0, -math.pi / 6.0), (0.1, 0.2))
 """Stronge's double pendulum (Zhang 2020, fig. 2.28 at n = 1)."""

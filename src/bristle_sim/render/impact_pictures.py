@@ -43,8 +43,7 @@ from bristle_sim.render.style import (
     signed,
     styled,
 )
-from bristle_sim.studies.contact_laws import Impacts
-from bristle_sim.studies.impulse_course import energetic_course, recorded_course
+from bristle_sim.studies.contact_laws import Impacts, energetic_course, recorded_course
 from bristle_sim.studies.timed_contact import compression_end
 from bristle_sim.trajectory import ContactRecord
 from bristle_sim.trajectory.interpolation import smooth_pieces

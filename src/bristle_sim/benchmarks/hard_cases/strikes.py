@@ -26,7 +26,7 @@ from bristle_sim.parameters import Belt, Contact, Surface, Tool, Workpart
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impulse_course import contact_inverse_mass
+from bristle_sim.studies.contact_laws import contact_inverse_mass
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 
