@@ -101,6 +101,20 @@ def test_without_any_result_the_reason_is_the_answer(capsys: pytest.CaptureFixtu
     assert "1 points lack results: penetration = 0.03: must be less" in capsys.readouterr().out
 
 
+def test_a_refused_point_and_a_change_below_the_printed_digits_have_their_words(
+    capsys: pytest.CaptureFixture[str],
+):
+    """A wire of one and a half links is refused; the accuracy changes the lag by less than is printed."""
+    assert called("--sweep", "wire_links=1:2:3", "--set", "accuracy=1e-3") == 0
+    answer = capsys.readouterr().out.splitlines()[0]
+    assert (
+        "the tip reverses its slip, then is refused from 1.5, then reverses its slip from 2"
+        in answer
+    )
+    assert called("--sweep", "accuracy=1e-9:1e-5:3") == 0
+    assert "the lag at the strike stays 2.743°; the tip" in capsys.readouterr().out
+
+
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys('joblib xarray zarr tqdm cloudpickle distributed'.split()));"
 
 

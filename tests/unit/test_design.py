@@ -202,3 +202,12 @@ def test_the_command_prints_and_writes_the_tool(capsys: pytest.CaptureFixture[st
     assert (
         command.main(["design", "--want", "tip_speed_at_contact", "--vary", "hub_speed=1:2"]) == 2
     )
+
+
+def test_no_quantity_has_a_slope_where_the_bar_is_just_touched_once_more() -> None:
+    """The least lag is where a last touch of the bar ceases, and with it the retraction of 22 degrees at the release."""
+    found = bs.design(vary={"bar_horizontal": ("47 mm", "54 mm")}, minimize="lag_deg_at_contact")
+    place = found.varied["bar_horizontal"]
+    beside = bs.ensemble(bar_horizontal=np.array([place - 1e-7, place + 1e-7]))
+    assert np.degrees(beside.release_retraction) == pytest.approx([22.6, 0.0], abs=0.1)
+    assert math.isnan(found.sensitivity["bar_horizontal"]["release_retraction_deg"])

@@ -112,6 +112,6 @@ def _table(found: Design) -> list[str]:
         values = [found.before.get(each.name), each.simulated]
         unit, size = readable_unit(each.unit, values)
         shown = ["-" if value is None else f"{round(value / size, 6):.6g}" for value in values]
-        slopes = [f"{change / size:+.3g}" for change in changes]
+        slopes = [f"{change / size:+.3g}".replace("+nan", "-") for change in changes]
         rows.append([each.label, "" if unit == "1" else unit, *shown, *slopes])
     return aligned(rows, (0, 1))

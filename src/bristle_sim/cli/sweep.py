@@ -88,7 +88,7 @@ def run_sweep(
         pair = [*found.axes.values()]
         shown = [found.quantities[name] for name in chosen]
         rows = [[each.label, *extremes(each, pair)] for each in shown]
-        table = aligned([["quantity", "lowest", "highest"], *rows], range(3))
+        table = aligned([["quantity", "lowest", "highest"], *rows], range(3)) if rows else []
     table += _wrapped("constant", constants_in_words(found))
     deliver(options, targets, contents, "\n".join([answer, "", *table]))
 
@@ -228,7 +228,8 @@ def _column(series: Series, rows: Any) -> list[str]:
     """
     size = series.display[1]
     words = series.heading
-    head = textwrap.wrap(words, max(HEAD, len(words) // 3 + 4))[:3]
+    width = max(HEAD, len(words) // 3 + 4)
+    head = textwrap.wrap(words, width, break_long_words=False)[:3]
     values = series.values[rows] / size + 0.0
     cells = (f"{value:.5g}" if math.isfinite(value) else "-" for value in values)
     return [*[""] * (3 - len(head)), *head, *cells]

@@ -38,6 +38,12 @@ KEPT_DEG = 1.0
 # Changes of a parameter at which the deviations are computed, divided by the largest change within
 # its range. Consecutive changes differ by 0.7 %.
 DISTANCES = np.geomspace(1e-6, 1.0, 2000)
+# Step, as a fraction of a parameter's range, of a second difference quotient that tells a jump from
+# a slope; largest relative difference of the two at a slope; and smallest change over the whole
+# range, divided by the quantity, that is distinguished from rounding error.
+COARSE_DIFFERENCE = 1e-4
+SMOOTH = 0.1
+LEAST_CHANGE = 1e-4
 MOST = 1e12  # largest magnitude of a wanted value, in the quantity's unit
 
 DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported only when a picture is requested
@@ -73,7 +79,8 @@ class Design:
         report: report of the simulated pass of the designed tool.
         before: simulated quantities of the tool before the design; None for a quantity that it does
             not have.
-        sensitivity: derivatives of the quantities with respect to each parameter.
+        sensitivity: derivatives of the quantities with respect to each parameter; NaN where a
+            quantity jumps.
         kept: lowest and highest value of each parameter at which all wanted quantities stay within
             1 % or 1 deg of their wanted values. The other parameters do not change.
         conflict: names of the wants and upper limits that cannot be met together; empty if all are
@@ -234,6 +241,9 @@ def _found(search: Search) -> Design:
 def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
     """Return the derivatives of the quantities with respect to each parameter, in SI units.
 
+    A derivative is NaN where the quantity jumps: a difference quotient is then larger, the smaller
+    its step.
+
     ``place`` holds the parameters of the designed tool as fractions of their ranges.
     """
 
@@ -241,7 +251,10 @@ def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
         passes = search.passes(fractions)
         return np.array([passes[name] for name in QUANTITIES])
 
-    slopes = with_derivatives(quantities)[1](place)
+    values, slopes = (each(place) for each in with_derivatives(quantities))
+    coarse = with_derivatives(quantities, COARSE_DIFFERENCE)[1](place)
+    scale = LEAST_CHANGE * np.abs(values[:, np.newaxis])
+    slopes = np.where(np.abs(slopes - coarse) <= SMOOTH * np.abs(slopes) + scale, slopes, np.nan)
     found = {}
     for column, (key, (low, high)) in enumerate(search.vary.items()):
         changes = slopes[:, column] / (high - low)

@@ -304,11 +304,11 @@ class Search:
         return place if self.largest_miss(place) <= MET else start
 
 
-def with_derivatives(function: Function) -> tuple[Function, Function]:
+def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Function, Function]:
     """Return two functions of one point: the values of ``function``, and their derivatives.
 
     ``function`` takes points as fractions of the ranges. The derivatives are finite differences
-    with points inside the ranges. A derivative that is not finite is replaced by 0. The values have
+    with points inside the ranges, ``step`` away at most. A derivative that is not finite is replaced by 0. The values have
     the shape (values,), the derivatives (values, parameters). One call of ``function`` computes
     both, and the result is stored for the other function.
     """
@@ -316,7 +316,7 @@ def with_derivatives(function: Function) -> tuple[Function, Function]:
     @functools.lru_cache(maxsize=2)
     def at(text: bytes) -> tuple[Array, Array]:
         place = np.frombuffer(text)[:, np.newaxis]
-        steps = DIFFERENCE * np.eye(len(place))
+        steps = step * np.eye(len(place))
         high = np.minimum(place + steps, 1.0)
         low = np.maximum(place - steps, 0.0)
         values = function(np.concatenate([place, low, high], axis=1))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Tool
-from bristle_sim.passes.strike import OUTCOMES
+from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.readable import plain_number, readable_unit
 from bristle_sim.settings import Settings
 from bristle_sim.studies.many_passes import (
@@ -173,7 +173,7 @@ def sweep_of_runs(
     failure = columns.pop(FAILURE).astype(object)
     unknown = np.full(failure.shape, math.nan)
     codes = columns.pop(CODE, unknown)
-    words = np.array([*OUTCOMES, ""])[np.nan_to_num(codes, nan=len(OUTCOMES)).astype(int)]
+    words = np.array(OUTCOMES)[np.nan_to_num(codes, nan=REFUSED).astype(int)]
     swept = Swept(axes, {}, failure, words if np.isfinite(codes).any() else None)
     finished = np.argwhere(np.isfinite([unknown, *columns.values()]).any(axis=0))
     if finished.size:
@@ -271,11 +271,11 @@ def _change(quantity: Series, axes: Sequence[Series]) -> str:
     """
     values = quantity.finite
     changes = np.diff(values)
+    low, high = map(quantity.in_words, (values.min(), values.max()))
+    if low == high:
+        return f"the {quantity.label} stays {low}"
     if len(axes) > 1:
-        ends = " and ".join(map(quantity.in_words, (values.min(), values.max())))
-        return f"the {quantity.label} lies between {ends}"
-    if not quantity.changes:
-        return f"the {quantity.label} stays {quantity.in_words(values[0])}"
+        return f"the {quantity.label} lies between {low} and {high}"
     if (changes >= 0.0).all() or (changes <= 0.0).all():
         verb = "rises" if values[-1] > values[0] else "falls"
         ends = f"from {quantity.in_words(values[0])} to {quantity.in_words(values[-1])}"
@@ -303,15 +303,22 @@ def _outcomes(outcome: NDArray[Any], axes: Sequence[Series]) -> str:
     if len(axes) > 1:
         kinds, numbers = np.unique(outcome, return_counts=True)
         order = np.argsort(-numbers)
-        parts = [f"{kinds[each]} in {100.0 * numbers[each] / outcome.size:.3g} %" for each in order]
+        parts = [
+            f"{_verb(kinds[each])} in {100.0 * numbers[each] / outcome.size:.3g} %"
+            for each in order
+        ]
         return f"the tip {', '.join(parts)} of them"
     (axis,) = axes
     starts = np.flatnonzero(outcome[1:] != outcome[:-1]) + 1
-    parts = [outcome[0]]
-    parts += [f"then {outcome[at]} from {axis.in_words(axis.values[at])}" for at in starts]
+    parts = [_verb(outcome[0])]
+    parts += [f"then {_verb(outcome[at])} from {axis.in_words(axis.values[at])}" for at in starts]
     if len(parts) > 2 * NAMED:
         parts = [*parts[:NAMED], f"changes {len(parts) - NAMED} more times"]
     return f"the tip {', '.join(parts)}"
+
+
+def _verb(outcome: str) -> str:
+    return "is refused" if outcome == OUTCOMES[REFUSED] else outcome
 
 
 def constants_in_words(found: Swept) -> list[str]:
