@@ -2,6 +2,7 @@
 
 import math
 from cmath import rect
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact import ActiveContact, sums_of
 from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.impacts import ENERGETIC
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.motion import Motion, integrate
 from bristle_sim.scene.pairs import BarPair, WorkpartPair
@@ -191,3 +193,66 @@ def test_a_resting_tip_is_pressed_on_by_the_belt_alone() -> None:
     spring = pressed_on(system, Motion(), part)
     assert isinstance(spring, SpringContact)
     assert pressed_on(system, Motion((bar,)), part) is None
+
+
+def test_a_contact_that_passes_to_another_segment_is_recorded_up_to_there() -> None:
+    """The bar meets the same link once more; the link is not released meanwhile."""
+    system, lower, _, _ = bent_wire()
+    before = system.state._replace(time=-0.1)
+    contact = ActiveContact(lower, slip=1, start=before)
+    decide(system, Motion((contact,)), Happening(Kind.TOUCH, lower))
+    (first, _), *_ = system.recording.contacts
+    assert (first.law, first.outcome, first.duration) == ("sustained", "bar", 0.1)
+    assert "bar release" not in [event.name for event, _ in system.recording.events]
+
+
+def test_a_rigid_bristle_leaves_its_contact_as_it_touches_another_obstacle() -> None:
+    system, part, bar = pressed_rod(5.0)
+    system.law = ENERGETIC
+    bar.start = system.state._replace(time=-0.1)
+    motion = decide(system, Motion((bar,)), Happening(Kind.TOUCH, part))
+    assert motion.contacts == ()
+    (first, _), *_ = system.recording.contacts
+    assert (first.law, first.outcome, first.duration) == ("sustained", "release", 0.1)
+    assert [event.name for event, _ in system.recording.events] == ["bar release", "strike"]
+
+
+def test_a_spring_outlasts_an_impact_elsewhere_on_its_wire_but_not_its_rest() -> None:
+    system, lower, _, part = bent_wire()
+    state = system.state._replace(rates=(0.0, 0.3))
+    spring = CompliantLaw(1e-3, 1e-6).spring(system.scene, state, part)
+    assert spring is not None
+    spring.at_rest = True
+    motion = decide(system, Motion((spring,)), Happening(Kind.TOUCH, lower))
+    assert motion.contacts == (spring,)
+    assert not spring.at_rest
+
+
+def test_a_tip_that_leaves_its_dent_too_slowly_is_pressed_on_and_touches_anew() -> None:
+    system, part, _ = pressed_rod(5.0)
+    motion = decide(system, Motion(), Happening(Kind.TOUCH, part))
+    (spring,) = motion.springs
+    spring.start = spring.start._replace(time=-1e-3)
+    system.state = pressed_rod(0.0)[0].state
+    motion = decide(system, motion, Happening(Kind.UNLOADED, spring))
+    (following,) = motion.springs
+    assert following is not spring
+    names = [event.name for event, _ in system.recording.events]
+    assert names == ["strike", "workpart release", "workpart touch"]
+
+
+@pytest.mark.parametrize(("duration", "stays"), [(None, True), (1e-3, False)])
+def test_a_tip_without_restitution_stays_on_the_surface_in_the_rigid_limit_only(
+    duration: float | None, stays: bool
+) -> None:
+    """A spring lets go of it at the bottom of a dent."""
+    system, _, _ = pressed_rod(5.0)
+    (part, _) = system.pairs
+    system.pairs[0] = part = replace(part, restitution=0.0)
+    system.state = system.state._replace(rates=(-2.0,))
+    system.law = CompliantLaw(duration, 1e-6)
+    motion = decide(system, Motion(), Happening(Kind.TOUCH, part))
+    (spring,) = motion.springs
+    motion = decide(system, motion, Happening(Kind.COMPRESSION_ENDS, spring))
+    assert [type(contact) for contact in motion.contacts] == ([ActiveContact] if stays else [])
+    assert motion.separating == (() if stays else (part,))
