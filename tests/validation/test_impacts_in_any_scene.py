@@ -479,6 +479,13 @@ def test_a_limit_that_carries_only_rounding_pushes(seed: int) -> None:
     assert deviation < AGREEMENT
 
 
+def test_a_limit_that_pulls_only_beside_another_pushes_without_it() -> None:
+    """Two grooves pull if both hold. The one that pulls more is let go first, but it must push once the other is free."""
+    deviation = one_impact(302583)
+    assert deviation is not None
+    assert deviation < AGREEMENT
+
+
 @pytest.mark.parametrize("seed", range(100))
 def test_joints_are_closed_with_the_least_change(seed: int) -> None:
     """Random velocities: 1e-10 for a dozen roundings times a condition number of up to 1e5."""

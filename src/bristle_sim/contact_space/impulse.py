@@ -16,6 +16,7 @@ have zero inverse mass.
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from collections.abc import Collection, Sequence
@@ -64,12 +65,15 @@ class ContactSpace:
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal impulse
             (column 0) and per unit tangential impulse (column 1), shape (3 * len(bodies), 2).
-        limits: Jacobian rows of the joint limits that are reached; each acts as a rigid stop.
+        limits: Jacobian rows of the joint limits that are reached and act as rigid stops.
         pushes: impulse of each limit per unit normal and per unit tangential impulse at the
             contact, shape (limits, 2), multiplied by the length of the limit's Jacobian row. The
             rows are scaled by M^-1/2 with the mass matrix M.
         sizes: lengths of the contact's two Jacobian rows, scaled in the same way, shape (2,). They
             give the scale of the rounding error of ``pushes``.
+        released: Jacobian rows of the joint limits that are reached but transmit no impulse.
+        partings: velocity at which the bodies leave each released limit, per unit normal and per
+            unit tangential impulse, shape (released, 2), scaled as ``pushes``.
     """
 
     inverse_mass: Array
@@ -80,19 +84,22 @@ class ContactSpace:
     limits: Sequence[JointRow]
     pushes: Array
     sizes: Array
+    released: Sequence[JointRow]
+    partings: Array
 
-    def pulling_limit(self, impulse: Vector) -> JointRow | None:
-        """Return the joint limit with the largest pulling impulse during an impact.
+    def wrong_limit(self, impulse: Vector) -> JointRow | None:
+        """Return the joint limit that pulls most in an impact, or is passed most if none pulls.
 
-        ``impulse`` is the (normal, tangential) impulse at the contact. A real limit can only push.
-        Return None if no limit pulls by more than rounding error.
+        ``impulse`` is the (normal, tangential) impulse at the contact. A real limit can only push,
+        and bodies cannot pass a released one. Return None if no limit is wrong by more than
+        rounding error.
         """
-        if not self.limits:
-            return None
-        pushes = self.pushes @ impulse
-        least = int(pushes.argmin())
-        pulls = pushes[least] < -OPENS * (self.sizes @ np.abs(impulse))
-        return self.limits[least] if pulls else None
+        rounding = OPENS * (self.sizes @ np.abs(impulse))
+        for rows, response in ((self.limits, self.pushes), (self.released, self.partings)):
+            values = response @ impulse
+            if values.min(initial=0.0) < -rounding:
+                return rows[int(values.argmin())]
+        return None
 
     def apply(self, impulse: Vector) -> None:
         """Change the velocities of all bodies by an impulse (normal, tangential) at the contact."""
@@ -121,16 +128,17 @@ def contact_space(
         released: joints whose limits transmit no impulse.
     """
     bodies, joints = connected
-    rows = [
-        row
-        for joint in joints
-        for row in joint_rows(joint)
-        if not (row.limit and (joint in released or _opens(row, bodies)))
-    ]
+    rows: list[JointRow] = []
+    parting: list[JointRow] = []
+    for row in itertools.chain(*map(joint_rows, joints)):
+        if not (row.limit and _opens(row, bodies)):
+            (parting if row.limit and row.joint in released else rows).append(row)
     contact, velocity = relative_motion(ends, point, normal, surface_velocity)
-    columns, scale = scaled_columns([*contact, *[row.entries for row in rows]], bodies)
+    entries = [row.entries for row in (*rows, *parting)]
+    columns, scale = scaled_columns([*contact, *entries], bodies)
     touch = columns[:, :2]
-    free = orthogonal_part(touch, columns[:, 2:])
+    rigid = columns[:, 2 : 2 + len(rows)]
+    free = orthogonal_part(touch, rigid)
     sizes = np.sqrt((touch**2).sum(axis=0))
     normal_part, slip = free.T
     # A point whose tangential motion is rounding error cannot slip: impulses move it as in stick.
@@ -141,10 +149,13 @@ def contact_space(
         in_stick = normal_part - slip * ((slip @ normal_part) / (slip @ slip))
     moves = math.sqrt(in_stick @ in_stick) > SINGULAR * sizes[0]
     limits = [number for number, row in enumerate(rows) if row.limit]
-    pushes = np.empty((0, 2))
+    pushes = partings = np.empty((0, 2))
     if limits:
-        scaled, _ = of_length_one(columns[:, 2:])
+        scaled, _ = of_length_one(rigid)
         pushes = -np.asarray(np.linalg.lstsq(scaled, touch, rcond=DEPENDENT)[0])[limits]
+    if parting:
+        scaled, _ = of_length_one(columns[:, 2 + len(rows) :])
+        partings = scaled.T @ free
     return ContactSpace(
         inverse_mass=free.T @ free,
         velocity=velocity,
@@ -154,6 +165,8 @@ def contact_space(
         limits=[rows[number] for number in limits],
         pushes=pushes,
         sizes=sizes,
+        released=parting,
+        partings=partings,
     )
 
 
