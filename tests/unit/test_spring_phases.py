@@ -1,0 +1,138 @@
+"""Phases of a contact with springs, and its forces in them, against values by hand."""
+
+import math
+
+import pytest
+
+from bristle_sim.parameters import Surface
+from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.contact import Outcome
+from bristle_sim.scene.events import Kind
+from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.motion import Motion
+from bristle_sim.scene.spring import SHORTEST_SWING, SpringContact
+from bristle_sim.scene.spring_phases import change_spring, look_up_slip
+from bristle_sim.scene.strike import Chain, build_strike
+from bristle_sim.scene.system import Plan, System
+
+PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+
+
+def penetrating(
+    surface: Surface, compliance: float = 0.0, chain: Chain = PAIR, *, single: bool = True
+) -> tuple[System, SpringContact, float]:
+    """A chain a moment after its tip has touched a surface, its contact, and the penetration."""
+    scene, start, pair, _ = build_strike(chain, surface)
+    law = CompliantLaw(1e-3, 1e-6, tangential_compliance=compliance)
+    spring = law.spring(scene, start, pair)
+    assert spring is not None
+    moved = tuple(a + 1e-4 * w for a, w in zip(start.angles, start.rates, strict=True))
+    plan = Plan(1.0, 1e-6, single_contact=single)
+    system = System(scene, start._replace(angles=moved), Extrapolation(1e-6), plan, law=law)
+    return system, spring, spring.penetration(system.closest, system.state)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_force_in_stick_is_limited_to_the_friction_cone(sense: float) -> None:
+    _, spring, depth = penetrating(Surface(0.3, None, 0.5))
+    normal = spring.law.stiffness * depth
+    spring.stick_force = sense * 1e9
+    assert spring.forces(depth) == pytest.approx((normal, sense * 0.3 * normal))
+
+
+@pytest.mark.parametrize(("friction", "later"), [(0.1, 0.6), (0.6, 0.1)])
+def test_a_force_in_slip_at_rest_is_limited_by_the_larger_friction(
+    friction: float, later: float
+) -> None:
+    _, spring, depth = penetrating(Surface(friction, later, 0.5))
+    spring.unload(depth)
+    spring.at_rest = True
+    spring.slip = 1
+    spring.stick_force = -1e9
+    normal = spring.law.stiffness * depth
+    assert spring.forces(depth) == pytest.approx((normal, -0.6 * normal))
+
+
+def test_slow_slip_at_rest_swings_on_its_tangential_spring() -> None:
+    """The force rises by the difference of both frictions while the tip moves by this distance, in the shortest swing."""
+    _, spring, depth = penetrating(Surface(0.5, 0.2, 0.5), 1.2)
+    spring.unload(depth)
+    assert spring.least_slip_at_rest == pytest.approx(1.2 * 0.3 * depth / (SHORTEST_SWING * 1e-3))
+
+
+def test_the_foot_of_a_spring_beyond_the_cone_follows_to_its_edge() -> None:
+    _, spring, depth = penetrating(Surface(0.3, None, 0.5), 1.2)
+    spring.stick_force = 1e9
+    assert spring.set_foot(depth, 0.25)
+    assert spring.stick_force == pytest.approx(0.3 * spring.law.stiffness * depth)
+    assert spring.foot == pytest.approx(0.25 + 0.3 * 1.2 * depth)
+    assert spring.forces(depth)[1] == spring.stick_force
+
+
+def test_a_tip_that_is_pressed_on_loads_its_springs_again() -> None:
+    system, spring, depth = penetrating(Surface(0.3, None, 0.5), 1.2)
+    spring.unload(0.5 * depth)
+    spring.at_rest = True
+    assert change_spring(system, Motion((spring,)), spring, Kind.PRESSED_ON) is None
+    assert not spring.at_rest
+    assert spring.forces(depth)[0] == pytest.approx(spring.law.stiffness * depth)
+    place = system.along(spring.pair, system.state)
+    stretched = 1.2 * spring.stick_force / spring.law.stiffness
+    assert spring.foot == pytest.approx(place + stretched, abs=1e-15)
+
+
+@pytest.mark.parametrize("kind", [Kind.REST_ENDS, Kind.FOOT_STOPS])
+def test_slip_at_rest_ends_at_the_present_depth_with_the_friction_of_compression(
+    kind: Kind,
+) -> None:
+    system, spring, depth = penetrating(Surface(0.3, 0.6, 0.5))
+    spring.unload(0.9 * depth)
+    spring.at_rest = True
+    spring.slip = 1
+    if kind is Kind.REST_ENDS:
+        assert change_spring(system, Motion((spring,)), spring, kind) is None
+        assert spring.stick_force == pytest.approx(-0.3 * spring.law.stiffness * depth)
+    else:
+        change_spring(system, Motion((spring,)), spring, kind)
+    assert not spring.at_rest
+    assert spring.forces(depth)[0] == pytest.approx(spring.law.stiffness * depth)
+
+
+@pytest.mark.parametrize(("friction", "slips"), [(0.3, 0), (0.0, -1)])
+def test_a_foot_that_stops_sticks_unless_it_has_no_friction(friction: float, slips: int) -> None:
+    """Without friction the tip swings back, which no tangential force notices."""
+    system, spring, depth = penetrating(Surface(friction, None, 0.5), 1.2)
+    sense = int(math.copysign(1.0, system.closest(spring.pair, system.state).velocity[1]))
+    spring.slip = sense
+    spring.stick_force = -sense * friction * spring.law.stiffness * depth
+    assert change_spring(system, Motion((spring,)), spring, Kind.FOOT_STOPS) is None
+    assert spring.slip == slips * sense
+
+
+@pytest.mark.parametrize(("single", "outcome"), [(True, Outcome.STICTION), (False, None)])
+def test_stiction_is_foretold_for_a_single_contact_only(
+    single: bool, outcome: Outcome | None
+) -> None:
+    """In a pass the bodies move noticeably during a contact whose duration is given."""
+    system, spring, _ = penetrating(Surface(0.3, None, 0.5), single=single)
+    spring.predicted = Outcome.STICTION
+    spring.slip = 1
+    motion = Motion((spring,))
+    assert change_spring(system, motion, spring, Kind.COMPRESSION_ENDS) is outcome
+
+
+@pytest.mark.parametrize(("friction", "sticks"), [(3.0, True), (0.01, False)])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_slip_within_its_error_sticks_from_the_first_touch_if_friction_suffices(
+    friction: float, sticks: bool, sense: float
+) -> None:
+    """The slip velocity is 1e-7 of the speed, its error 1e-6; both forces are zero at the touch."""
+    first, second = angles = (-0.4, -0.9)
+    rates = (1.0, (sense * 1e-7 - math.cos(first)) / math.cos(second))
+    rates = rates if math.sin(first) + rates[1] * math.sin(second) < 0.0 else (-rates[0], -rates[1])
+    system, spring, _ = penetrating(
+        Surface(friction, None, 0.5), chain=Chain((1.0, 1.0), (1.0, 1.0), angles, rates)
+    )
+    system.state = spring.start
+    look_up_slip(system, Motion(), spring)
+    assert (spring.slip == 0) == sticks
