@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
+from operator import sub
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,17 +48,17 @@ def room_for_bodies() -> tuple[Any, Any]:
     return ffi.new(_BODY), ffi.new(_BODY)
 
 
-Motion = tuple[complex, float]
-"""Velocity and angular velocity of a body, or the changes of these in a step by forces, joints and
-contacts at rest."""
+Motion = Sequence[float]
+"""Velocity v_x, v_y and angular velocity of a body, or the changes of these in a step by forces,
+joints and contacts at rest."""
 
-NONE = (0j, 0.0)
+NONE = (0.0, 0.0, 0.0)
 
 
 def velocity_of(body: pymunk.Body) -> Motion:
     """Return the velocity and the angular velocity of a body."""
     velocity = lib.cpBodyGetVelocity(body._body)
-    return complex(velocity.x, velocity.y), lib.cpBodyGetAngularVelocity(body._body)
+    return velocity.x, velocity.y, lib.cpBodyGetAngularVelocity(body._body)
 
 
 class StepMotion:
@@ -89,21 +90,17 @@ class StepMotion:
         self.duration = duration
         for bodies, joints in self._groups:
             for body in bodies:
-                before, turn = self.gains[body]
-                after, turning = velocity_of(body)
-                self.gains[body] = (after - before, turning - turn)
+                self.gains[body] = tuple(map(sub, velocity_of(body), self.gains[body]))
             if joints:
                 allowed = allowed_part(bodies, joints, self.changes(bodies)).reshape(-1, 3)
-                for body, (x, y, turn) in zip(bodies, allowed.tolist(), strict=True):
-                    self.gains[body] = (complex(x, y), turn)
+                self.gains.update(zip(bodies, allowed.tolist(), strict=True))
 
     def changes(self, bodies: Sequence[pymunk.Body]) -> Array:
         """Return the velocity changes of bodies in the step, shape (3 * len(bodies),).
 
         They are the changes of v_x, v_y and the angular velocity of each body.
         """
-        gains = [self.gains.get(each, NONE) for each in bodies]
-        return np.array([[gain.real, gain.imag, turn] for gain, turn in gains]).ravel()
+        return np.array([self.gains.get(each, NONE) for each in bodies]).ravel()
 
     def clear(self) -> None:
         """Discard the data of the step."""
@@ -125,13 +122,11 @@ class StepMotion:
         """
         for body in bodies if time else ():
             raw = body._body
-            velocity, turn = velocity_of(body)
-            gain, turning = self.gains.get(body, NONE)
-            moved = time * (velocity - gain)
+            x, y, turn = map(sub, velocity_of(body), self.gains.get(body, NONE))
             # about the mass centre
-            lib.cpBodySetAngle(raw, lib.cpBodyGetAngle(raw) + time * (turn - turning))
+            lib.cpBodySetAngle(raw, lib.cpBodyGetAngle(raw) + time * turn)
             place = lib.cpBodyGetPosition(raw)
-            lib.cpBodySetPosition(raw, (place.x + moved.real, place.y + moved.imag))
+            lib.cpBodySetPosition(raw, (place.x + time * x, place.y + time * y))
 
     def kick(self, bodies: Sequence[pymunk.Body], steps: float) -> None:
         """Add ``steps`` times the velocity changes of the step to the velocities of bodies."""
@@ -273,12 +268,12 @@ class TouchingPoint:
         relative = self.surface_velocity
         gained = 0j
         for body, sign in zip(self.bodies, (-1.0, 1.0), strict=True):
-            velocity, turn = velocity_of(body)
-            change, turning = motion.gains.get(body, NONE)
+            x, y, turn = velocity_of(body)
+            gain_x, gain_y, turning = motion.gains.get(body, NONE)
             arm = 1j * (point - world(body, body.center_of_gravity))
-            velocity += turn * arm
+            velocity = complex(x, y) + turn * arm
             relative += sign * velocity
-            gained += sign * (change + turning * arm)
+            gained += sign * (complex(gain_x, gain_y) + turning * arm)
             self.speed = max(self.speed, abs(velocity.real) + abs(velocity.imag))
         growth = (normal.conjugate() * relative).real
         gain = (normal.conjugate() * gained).real

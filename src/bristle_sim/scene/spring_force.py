@@ -127,8 +127,6 @@ class ContactLoad:
         assert not symmetric
         begun = [each.begin(step) for each in self._parts]
         calls = [call for call in begun if call is not None]
-        if len(calls) == 1:
-            return calls[0]
 
         def act() -> None:
             """Apply the forces of all contacts."""
