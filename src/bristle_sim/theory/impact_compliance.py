@@ -5,7 +5,7 @@ The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it
 work it took. The tangential spring has stiffness k/eta^2, and its foot slides where its force T
 would leave the friction cone |T| <= mu N. With the inverse mass matrix K, dv = K (N, T) dt. The
 outcome depends on K, v, mu, e* and eta^2. The stiffness k sets the time alone, and is 1 here. An
-impact is a sequence of phases (``impact_springs``):
+impact is a sequence of phases (``impact_stick``, ``impact_springs``):
 
 * stick: the motion of two oscillators. It ends where the force reaches the cone
   or where loading or unloading ends;
@@ -41,28 +41,19 @@ import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_arguments import Arguments
-from bristle_sim.theory.impact_events import (
-    APART,
-    BACKWARD,
-    BALANCED,
-    FORWARD,
-    LINE,
-    NEVER,
-    NONE,
-    SETTLED,
-    STOP,
-)
 from bristle_sim.theory.impact_phases import (
     INFINITE,
     JAM,
     KNIFE_EDGE,
     NO_REBOUND,
+    PHASES,
     REBOUND,
     STICTION,
     Impact,
     inverse_mass_of,
 )
-from bristle_sim.theory.impact_springs import Contact, begun_slip, slide, stick
+from bristle_sim.theory.impact_springs import Contact, Event, Sums, slide
+from bristle_sim.theory.impact_stick import stick
 
 # Energetic coefficient of restitution below which 0 is used. The work that the spring returns would
 # be less than the rounding error of the work that loads it.
@@ -99,181 +90,140 @@ change reduces the slip velocity by less than a millionth."""
 # steep unloading spring makes the point bounce some 1/e* times.
 LEAST_EXACT = 0.01
 
-MOTION = Contact._fields.index("normal")  # index of the first entry of ``Contact`` that changes
 
-
-def _turned(contact: Contact, event: Number) -> Contact:
-    """Return the contacts with the changes that an event makes, at the start of the next phase.
-
-    An event can change the stiffness, the coefficient of friction, the tangential force and the
-    sense of slip.
-    """
-    line = event == LINE
-    loading = contact.loading > 0.0
-    deepest = line & loading
-    again = line & ~loading
-    push = np.where(
-        loading, contact.push, np.where(again, contact.peak, np.minimum(contact.push, contact.peak))
-    )
-    mu = np.where(deepest, contact.mu_2, np.where(again, contact.mu_1, contact.friction))
-    limit = mu * push
-    slides = (event == FORWARD) | (event == BACKWARD)
-    side = np.where(event == FORWARD, 1.0, -1.0)
-    contact = contact._replace(
-        normal=np.where(deepest, 0.0, contact.normal),
-        push=push,
-        rub=np.where(slides, -side * limit, np.maximum(np.minimum(contact.rub, limit), -limit)),
-        peak=np.where(deepest, push, contact.peak),
-        loading=np.where(line, 1.0 - contact.loading, contact.loading),
-        steep=np.where(deepest, 1.0 / contact.restitution, np.where(again, 1.0, contact.steep)),
-        friction=mu,
-    )
-    stays = (event == STOP) | (event == NONE) | (event == BALANCED)
-    return contact._replace(slip=np.where(slides, side, np.where(stays, 0.0, begun_slip(contact))))
-
-
-class _Contacts:
-    """The present state of an array of n contacts, and their impulses and works so far.
+class Course:
+    """The course of one impact: its phases, with their impulses and works.
 
     If a contact in unloading is pressed beyond its deepest penetration, everything up to then
     counts as compression.
 
     Attributes:
-        rows: entries of ``Contact``, one row each, with one column for each contact.
+        contact: the contact in its present state.
+        initial: sense of slip at the start.
         totals: normal and tangential impulse, normal and tangential work, and slip, for each of the
-            four phases of ``impact_phases.PHASES``, shape (5, 4, n). The phase "after slip"
-            collects everything after the first stick or slip.
+            four phases of ``impact_phases.PHASES``, shape (4, 5). The phase "after slip" collects
+            everything after the first stick or slip.
         row: index of the present phase in ``totals``.
-        moves: whether neither a balance of forces nor the end of loading has occurred yet. It
-            matters for points with one degree of freedom.
-        balanced, velocity: ``totals`` and the velocity at the instant at which ``moves`` becomes
-            false.
+        slip_stop: normal impulse at which the initial slip stops.
+        phases: number of consecutive phases that are limited.
+        returns: number of changes from unloading to loading.
+        kept: ``totals`` and the velocity at the first balance of forces or end of loading, at which
+            a point with one degree of freedom ends that does not leave the surface.
     """
 
     def __init__(self, contact: Contact) -> None:
-        size = contact.slip.size
-        self.rows = np.array(contact)
+        contact.slip = contact.begun_slip()
+        self.contact = contact
         self.initial = contact.slip
-        self.totals = np.zeros((5, 4, size))
-        self.row = np.zeros(size, dtype=int)
-        self.phases = np.zeros(size, dtype=int)
-        self.settled = np.zeros(size, dtype=bool)
-        self.slip_stop = np.full(size, INFINITE)
-        self.outcome = np.zeros(size, dtype=int)
-        self.again = np.zeros(size, dtype=int)
-        self.moves = np.ones(size, dtype=bool)
-        self.balanced = np.zeros_like(self.totals)
-        self.velocity = np.zeros((2, size))
+        self.totals = [[0.0] * 5 for _ in PHASES]
+        self.row = 0
+        self.slip_stop = 0.0 if self.initial == 0.0 else INFINITE
+        self.phases = 0
+        self.returns = 0
+        self.kept: tuple[list[list[float]], float, float] | None = None
 
-    def advance(self, active: Number) -> Number:
-        """Advance contacts by one phase, and return the indices of those that have not ended.
-
-        ``active`` holds the indices of the contacts to advance.
-        """
-        slips = self.rows[-1, active] != 0.0
-        going = [active[:0]]
-        for at, slides in ((active[slips], True), (active[~slips], False)):
-            before = Contact(*self.rows.take(at, axis=1))
-            if slides:
-                after, event, done = slide(before)
+    def resolve(self) -> int:
+        """Advance the contact to its end, and return the outcome of the impact."""
+        contact = self.contact
+        settled = False
+        while True:
+            loading = contact.loading
+            slip = contact.slip
+            if slip:
+                event, sums = slide(contact)
             else:
-                fresh = ~self.settled[at]
-                many = fresh & (self.phases[at] >= SETTLING)
-                most = (self.phases[at] >= MOST_IN_STICK) | (before.restitution < LEAST_RESOLVED)
-                after, event, done = stick(before, many, many & most, self.moves[at])
-            over = self.note(at, before, after, event, done)
-            self.turn(at, before, _turned(after, event), event, over)
-            going.append(at[~over])
-        return np.concatenate(going)
+                many = self.phases >= SETTLING and not settled
+                most = self.phases >= MOST_IN_STICK or contact.restitution < LEAST_RESOLVED
+                event, sums = stick(
+                    contact, jams=many, settles=many and most, balances=self.kept is None
+                )
+                settled = event is Event.SETTLED
+            self.add(sums, slip)
+            deepest = loading and event is Event.LINE
+            if self.kept is None and (deepest or event is Event.BALANCED):
+                totals = [row.copy() for row in self.totals]
+                self.kept = totals, contact.normal, contact.tangential
+            if event is Event.NEVER:
+                return self.held()
+            if event is Event.APART:
+                return REBOUND if contact.normal > 0.0 else NO_REBOUND
+            if deepest and contact.restitution == 0.0:
+                contact.normal = 0.0
+                return NO_REBOUND
+            # The force of one degree of freedom may fade slowly, with a little slip in each swing.
+            fades = not loading and contact.stick == 0.0
+            limited = slip == 0.0 or contact.restitution < LEAST_EXACT or fades
+            self.phases = self.phases + 1 if limited else 0
+            self.turn(event, slip)
 
-    def note(
-        self, at: Number, before: Contact, after: Contact, event: Number, done: tuple[Number, ...]
-    ) -> Number:
-        """Add the impulses and works of a phase to the totals, and note which contacts have ended.
+    def add(self, sums: Sums, slip: float) -> None:
+        """Add the impulses and works of a phase to the totals."""
+        totals = self.totals[self.row]
+        for index, each in enumerate(sums):
+            totals[index] += each
+        if sums[0] > 0.0:
+            totals[4] = slip
 
-        Args:
-            at: indices of the contacts.
-            before: contacts before the phase.
-            after: contacts after the phase.
-            event: events that ended the phase.
-            done: normal impulse, tangential impulse, normal work and tangential work of the phase.
+    def held(self) -> int:
+        """Set a contact that nothing ends back to the state that was kept; return the outcome."""
+        contact = self.contact
+        pressed = contact.loading or contact.normal < -KNIFE_EDGE * contact.approach
+        if self.kept is not None:
+            self.totals, contact.normal, contact.tangential = self.kept
+        return JAM if pressed else STICTION
 
-        Returns:
-            For each contact in ``at``, whether it has ended.
+    def turn(self, event: Event, slip: float) -> None:
+        """Apply an event to the contact, and select the next phase.
+
+        An event can change the stiffness, the coefficient of friction, the tangential force and the
+        sense of slip. ``slip`` is the sense of slip before the event.
         """
-        row = self.row[at]
-        loading = before.loading > 0.0
-        self.totals[:4, row, at] += done
-        moved = done[0] > 0.0
-        self.totals[4, row[moved], at[moved]] = before.slip[moved]
-        deepest = (event == LINE) & loading
-        kept = self.moves[at] & ((event == BALANCED) | deepest)
-        chosen = at[kept]
-        self.moves[chosen] = False
-        self.velocity[:, chosen] = after.normal[kept], after.tangential[kept]
-        self.balanced[..., chosen] = self.totals[..., chosen]
-        counts = (before.slip == 0.0) | (before.restitution < LEAST_EXACT)
-        # a force that fades slowly, with a little slip in each swing
-        counts |= ~loading & (before.stick == 0.0)
-        self.phases[at] = np.where(counts, self.phases[at] + 1, 0)
-        self.settled[at] = event == SETTLED
-        over = (event == APART) | (event == NEVER) | (deepest & (before.restitution == 0.0))
-        pressed = loading | (after.normal < -KNIFE_EDGE * before.approach)
-        parted = np.where((event == APART) & (after.normal > 0.0), REBOUND, NO_REBOUND)
-        outcome = np.where(event == NEVER, np.where(pressed, JAM, STICTION), parted)
-        self.outcome[at[over]] = outcome[over]
-        return over
+        contact = self.contact
+        again = event is Event.LINE and not contact.loading
+        if event is Event.LINE and contact.loading:
+            contact.normal = 0.0
+            contact.peak = contact.push
+        elif not contact.loading:
+            contact.push = contact.peak if again else min(contact.push, contact.peak)
+        contact.loading ^= event is Event.LINE
+        limit = contact.friction * contact.push
+        if event is Event.SLIP:
+            contact.rub = -contact.slip * limit
+        else:
+            contact.rub = max(min(contact.rub, limit), -limit)
+            stays = event in (Event.STOP, Event.BALANCED)
+            contact.slip = 0.0 if stays else contact.begun_slip()
+        if again:
+            self.load_again()
+        elif event is Event.LINE:
+            self.row = 2
+        elif contact.slip != slip:
+            self.row |= 1
+        if contact.slip != slip and self.slip_stop == INFINITE:
+            self.slip_stop = sum(row[0] for row in self.totals)
 
-    def set_back(self) -> None:
-        """Set contacts that end in a jam or stiction back to the instant of ``balanced``."""
-        at = np.flatnonzero(np.isin(self.outcome, (JAM, STICTION)) & ~self.moves)
-        self.rows[MOTION : MOTION + 2, at] = self.velocity[:, at]
-        self.totals[..., at] = self.balanced[..., at]
+    def load_again(self) -> None:
+        """Count everything so far as compression; halve the slip after too many changes.
 
-    def turn(
-        self, at: Number, before: Contact, after: Contact, event: Number, over: Number
-    ) -> None:
-        """Store the states of contacts after their events, and select their next phases.
-
-        The next phase is the row of ``totals`` to which the impulses that follow are added.
-
-        Args:
-            at: indices of the contacts.
-            before: contacts before the phase that has ended.
-            after: contacts after their events, one for each index in ``at``.
-            event: events that ended the phase.
-            over: whether each contact has ended. A contact that has ended gets no new phase.
+        The changes are those between loading and unloading. During them the mean friction force
+        keeps the normal velocity constant.
         """
-        self.rows[MOTION:, at] = after[MOTION:]
-        line = event == LINE
-        again = line & (before.loading == 0.0)
-        chosen = at[again]
-        if chosen.size:
-            self.totals[:4, 1, chosen] += self.totals[:4, 2:, chosen].sum(axis=1)
-            self.totals[:, 2:, chosen] = 0.0
-            self.again[chosen] += 1
-            self.rest(chosen[self.again[chosen] >= CHATTER])
-        turned = (after.slip != before.slip) & ~over
-        row = self.row[at]
-        self.row[at] = np.where(again, 1, np.where(line, 2, np.where(turned, row | 1, row)))
-        stops = at[turned & (self.initial[at] != 0.0) & (self.slip_stop[at] == INFINITE)]
-        self.slip_stop[stops] = self.totals[0][:, stops].sum(axis=0)
-
-    def rest(self, at: Number) -> None:
-        """Halve the tangential velocity of contacts that alternate too often between two phases.
-
-        The two phases are loading and unloading. During these changes the mean friction force keeps
-        the normal velocity constant. ``at`` holds the indices of the contacts.
-        """
-        contact = Contact(*self.rows.take(at, axis=1))
+        first, second, *later = self.totals
+        for index in range(4):
+            second[index] += sum(row[index] for row in later)
+        self.totals = [first, second, [0.0] * 5, [0.0] * 5]
+        self.row = 1
+        self.returns += 1
+        contact = self.contact
+        if self.returns < CHATTER or contact.stick == 0.0 or contact.k_nt == 0.0:
+            return
+        self.returns -= FURTHER
         speed = contact.tangential
         ratio = -contact.k_nn / contact.k_nt
         impulse = 0.5 * speed * contact.k_nt / (contact.stick * contact.k_tt)
-        impulse = np.where(np.isfinite(impulse), np.maximum(impulse, 0.0), 0.0)
-        done = (impulse, ratio * impulse, 0.0 * impulse, 0.75 * ratio * impulse * speed)
-        self.totals[:4, 1, at] += done
-        self.rows[MOTION + 1, at] = np.where(impulse > 0.0, 0.5 * speed, speed)
-        self.again[at] -= FURTHER
+        if impulse > 0.0:
+            self.add((impulse, ratio * impulse, 0.0, 0.75 * ratio * impulse * speed), second[4])
+            contact.tangential = 0.5 * speed
 
 
 def compliant_impact(values: Arguments, squared: Number) -> Impact:
@@ -282,50 +232,47 @@ def compliant_impact(values: Arguments, squared: Number) -> Impact:
     ``values`` holds the arguments by name as arrays of shape (n,), with K_nn > 0 and v_n < 0.
     ``squared`` is the ratio eta^2 > 0 of the normal to the tangential stiffness, shape (n,).
     """
-    k_nn = values["k_nn"]
     normal = values["normal"]
     tangential = values["tangential"]
     # Scaling by powers of two keeps squares in the range of floats, and loses no digit.
     mass, speed = (
-        np.ldexp(1.0, np.frexp(each)[1]) for each in (k_nn, np.maximum(-normal, abs(tangential)))
+        np.ldexp(1.0, np.frexp(each)[1])
+        for each in (values["k_nn"], np.maximum(-normal, abs(tangential)))
     )
-    k_nn = k_nn / mass
-    k_nt = values["k_nt"] / mass
-    k_tt = values["k_tt"] / mass
-    stick_compliance = values.get("stick_compliance")
-    known = None if stick_compliance is None else stick_compliance / mass
-    normal = normal / speed
-    tangential = tangential / speed
-    mu_1 = np.minimum(values["friction"], WIDEST_CONE)
-    mu_2 = np.minimum(values["restitution_friction"], WIDEST_CONE)
-    e = np.where(values["restitution"] < LEAST_RESTITUTION, 0.0, values["restitution"])
-    none = np.zeros_like(normal)
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        inverse_mass = inverse_mass_of(k_nn, k_nt, k_tt, known)
-        matrix = (k_nn, k_nt, k_tt, inverse_mass.stick, -inverse_mass.stick_ratio)
-        surface = (mu_1, mu_2, e, np.sqrt(squared))
-        begun = (normal, tangential, none, none, none, none + 1.0, none + 1.0, mu_1, none)
-        contact = Contact(*matrix, *surface, -normal, *begun)
-        contacts = _Contacts(contact._replace(slip=begun_slip(contact)))
-        active = np.arange(none.size)
-        while active.size:
-            active = contacts.advance(active)
-        contacts.set_back()
+    known = values.get("stick_compliance")
+    k_nn, k_nt, k_tt = (values[name] / mass for name in ("k_nn", "k_nt", "k_tt"))
+    inverse_mass = inverse_mass_of(k_nn, k_nt, k_tt, None if known is None else known / mass)
+    e = values["restitution"]
+    columns = (
+        k_nn,
+        k_nt,
+        k_tt,
+        inverse_mass.stick,
+        np.minimum(values["friction"], WIDEST_CONE),
+        np.minimum(values["restitution_friction"], WIDEST_CONE),
+        np.where(e < LEAST_RESTITUTION, 0.0, e),
+        np.sqrt(squared),
+        -normal / speed,
+        normal / speed,
+        tangential / speed,
+    )
+    courses = [Course(Contact(*row)) for row in np.transpose(columns).tolist()]
+    outcome = np.array([each.resolve() for each in courses])
     momentum = speed / mass
-    impulses, along = contacts.totals[:2] * momentum
-    normal_works, tangential_works = contacts.totals[2:4] * (speed * momentum)
-    slip_stop = np.where(contacts.initial == 0.0, 0.0, contacts.slip_stop * momentum)
+    totals = np.array([each.totals for each in courses]).T
+    impulses, along = totals[:2] * momentum
+    normal_works, tangential_works = totals[2:4] * (speed * momentum)
     return Impact(
         impulse_normal=impulses.sum(axis=0),
         impulse_tangential=along.sum(axis=0),
-        velocity_normal=contacts.rows[MOTION] * speed,
-        velocity_tangential=contacts.rows[MOTION + 1] * speed,
+        velocity_normal=np.array([each.contact.normal for each in courses]) * speed,
+        velocity_tangential=np.array([each.contact.tangential for each in courses]) * speed,
         compressive_impulse_normal=impulses[:2].sum(axis=0),
         compressive_impulse_tangential=along[:2].sum(axis=0),
-        slip_stop_impulse=slip_stop,
+        slip_stop_impulse=np.array([each.slip_stop for each in courses]) * momentum,
         phase_impulse=impulses.T,
-        phase_slip=contacts.totals[4].T,
+        phase_slip=totals[4].T,
         phase_work_normal=normal_works.T,
         phase_work_tangential=tangential_works.T,
-        outcome=contacts.outcome,
+        outcome=outcome,
     )
