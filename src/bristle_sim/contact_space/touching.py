@@ -233,12 +233,16 @@ class TouchingPoint:
         bodies: the two bodies; the first is dynamic.
         surface_velocity: velocity of the second body's surface relative to the first body's
             surface, in addition to the motion of the bodies, as on a conveyor belt.
-        rests: whether the contact was at rest, so that the engine has resolved it.
-        overlap: geometry of the point. The depth is that at the end of the step. Point and normal
-            are those at the instant of touch once that instant has been located.
-        drift: speed at which the overlap grew during the step.
+        rests: whether the contact was at rest before the step, so that the engine has resolved it
+            and no impact occurs.
+        overlap: place, normal and depth of the shapes' overlap. The depth is that at the end of the
+            step. Place and normal are those at the instant of touch once it has been located.
+        drift: mean speed over the step at which the depth of the overlap grew. With the depth it
+            gives the instant of touch.
         time: time from the touch to the end of the step.
-        approach: approach speed of the bodies at the touch.
+        approach: speed at which the two bodies approach each other along the normal at the instant
+            of touch. An impact starts from it. The forces of the step make it differ from
+            ``drift``.
         speed: largest speed that either body has had at the point in this step. The rounding error
             of ``approach`` is proportional to it.
         impacts: number of impacts at the point so far.

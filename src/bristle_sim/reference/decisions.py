@@ -13,8 +13,11 @@ from bristle_sim.reference.contacts import Point, Touch, Workpart, follows
 from bristle_sim.reference.forces import EDGE, acting, closed, solve
 from bristle_sim.reference.state import Compliant, State, Sustained
 from bristle_sim.reference.system import Instant, System
-from bristle_sim.theory.contact_spring import ContactSpring
-from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
+from bristle_sim.theory.contact_spring import (
+    ContactSpring,
+    frictionless_stiffness,
+    stiffness_for_duration,
+)
 from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact, energetic_impact
 
 # Lowest height of a rebound, as a fraction of hub radius plus wire length. A contact with a lower

@@ -17,8 +17,11 @@ from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, impa
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import SpringContact
-from bristle_sim.theory.contact_spring import ContactSpring
-from bristle_sim.theory.contact_stiffness import frictionless_stiffness, stiffness_for_duration
+from bristle_sim.theory.contact_spring import (
+    ContactSpring,
+    frictionless_stiffness,
+    stiffness_for_duration,
+)
 from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
 

@@ -52,7 +52,7 @@ class Paraboloid:
 
     @property
     def lowest(self) -> float:
-        """Return the coordinate x of the lowest point, m. It is 0, the middle of the crater."""
+        """Coordinate x of the lowest point, m. It is 0, the middle of the crater."""
         return 0.0
 
     def shape(self, x: Array, y: Array) -> Array:
@@ -105,7 +105,7 @@ class SweptTip:
 
     @property
     def stretch(self) -> float:
-        """Return the ratio of the crater's length to its depth, cot(gamma) + cot(phi).
+        """Ratio of the crater's length to its depth, cot(gamma) + cot(phi).
 
         gamma is the impact angle, phi the angle of the tip's face to the surface.
         """
@@ -113,12 +113,12 @@ class SweptTip:
 
     @property
     def length(self) -> float:
-        """Return the length of the crater's outline along the slide, m."""
+        """Length of the crater's outline along the slide, m."""
         return self.depth * self.stretch
 
     @property
     def width(self) -> float:
-        """Return the largest width of the crater's outline, m (Zhang 2020, eq. 4.14).
+        """Largest width of the crater's outline, m (Zhang 2020, eq. 4.14).
 
         The outline is widest at the tip's last position.
         """
@@ -126,7 +126,7 @@ class SweptTip:
 
     @property
     def lowest(self) -> float:
-        """Return the coordinate x of the lowest point, m. It is the tip's last position."""
+        """Coordinate x of the lowest point, m. It is the tip's last position."""
         return 0.5 * self.length - self.depth / math.tan(self.face.face_angle)
 
     def shape(self, x: Array, y: Array) -> Array:

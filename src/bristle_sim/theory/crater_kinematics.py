@@ -122,12 +122,12 @@ class TipFace:
 
     @property
     def long_axis(self) -> float:
-        """Return the long axis of the ellipse, short_axis/cos(tilt), m (Zhang 2020, eq. 4.12)."""
+        """Long axis of the ellipse, short_axis/cos(tilt), m (Zhang 2020, eq. 4.12)."""
         return self.short_axis / math.cos(self.tilt)
 
     @property
     def full_depth(self) -> float:
-        """Return the depth below the surface from which the cut is as wide as the wire, m.
+        """Depth below the surface from which the cut is as wide as the wire, m.
 
         Half of the ellipse is then below the surface. The depth is (long_axis/2) sin(face_angle).
         """

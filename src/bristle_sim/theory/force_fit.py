@@ -87,12 +87,12 @@ class ForceFit:
 
     @property
     def standard_errors(self) -> Array:
-        """Return the standard errors of the parameters, in the units of ``values``, shape (p,)."""
+        """Standard errors of the parameters, in the units of ``values``, shape (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def root_mean_square(self) -> float:
-        """Return the root mean square of the residuals, N."""
+        """Root mean square of the residuals, N."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
 

@@ -82,7 +82,7 @@ class ForceCurve:
 
     @property
     def duration(self) -> float:
-        """Return the duration of the contact, period - 2 lead, s."""
+        """Duration of the contact, period - 2 lead, s."""
         return self.period - 2.0 * self.lead
 
     @property

@@ -82,13 +82,13 @@ class Impact(EqualByValue):
 
     @property
     def compressive_work(self) -> tuple[Number, Number]:
-        """Return the normal work (negative) and the tangential work of compression, J."""
+        """Normal work (negative) and tangential work of compression, J."""
         normal = self.phase_work_normal[..., :2].sum(axis=-1)
         return normal, self.phase_work_tangential[..., :2].sum(axis=-1)
 
     @property
     def restitutive_work(self) -> tuple[Number, Number]:
-        """Return the normal work (positive) and the tangential work of restitution, J."""
+        """Normal work (positive) and tangential work of restitution, J."""
         normal = self.phase_work_normal[..., 2:].sum(axis=-1)
         return normal, self.phase_work_tangential[..., 2:].sum(axis=-1)
 
@@ -99,12 +99,12 @@ class Impact(EqualByValue):
 
     @property
     def outcome_name(self) -> str:
-        """Return the name of the outcome of a single impact."""
+        """Name of the outcome of a single impact."""
         return OUTCOMES[int(self.outcome)]
 
     @property
     def phases(self) -> tuple[str, ...]:
-        """Return the names of a single impact's phases in order, as in ``restitution stick``."""
+        """Names of a single impact's phases in order, as in ``restitution stick``."""
         slips = self.phase_slip.tolist()
         names = []
         for name, impulse, slip in zip(PHASES, self.phase_impulse.tolist(), slips, strict=True):

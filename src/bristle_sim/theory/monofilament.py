@@ -61,7 +61,7 @@ class MonofilamentImpact:
 
     @property
     def rebound_ratio(self) -> Number:
-        """Return the ratio of the bristle's angular velocities after and before the impact (2.65).
+        """Ratio of the bristle's angular velocities after and before the impact (2.65).
 
         Raises:
             ValueError: where the angular velocity before the impact is 0.
@@ -74,7 +74,7 @@ class MonofilamentImpact:
 
     @property
     def outcome_name(self) -> str:
-        """Return the name of the outcome of a single strike."""
+        """Name of the outcome of a single strike."""
         return OUTCOMES[int(self.outcome)]
 
 

@@ -145,29 +145,16 @@ def chain_frequencies(
     They are ascending. The chain approximates a wire. The arguments are those of
     ``beam_frequencies``, with the number of links instead of modes.
 
+    The squared angular frequencies are the generalised eigenvalues of the stiffness and mass
+    matrices in the links' absolute angles. For n links of length l and mass m_l the mass matrix is
+    M_jk = m_l l^2 (n - max(j, k) + 1/2) for j != k, and M_jj = m_l l^2 (n - j + 1/3), with j and k
+    from 1 to n.
+
     One link is a rigid rod on the spring at its root, here with the angular frequency sqrt(k/(m
     L^2/3)) = 3 rad/s:
 
     >>> print(f"{math.tau * chain_frequencies(1.0, 1.0, 0.1, 1.0, 3.0, 1)[0]:.6f}")
     3.000000
-    """
-    return chain_modes(mass, length, diameter, modulus, root_stiffness, links)[0]
-
-
-def chain_modes(
-    mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
-) -> tuple[Array, Array]:
-    """Return the natural frequencies and the mode shapes of a wire as a chain of rigid links.
-
-    The squared angular frequencies are the generalised eigenvalues of the stiffness and mass
-    matrices in the links' absolute angles. For n links of length l and mass m_l the mass matrix is
-    M_jk = m_l l^2 (n - max(j, k) + 1/2) for j != k, and M_jj = m_l l^2 (n - j + 1/3), with j and k
-    from 1 to n. The arguments are those of ``beam_frequencies``, with the number of links instead
-    of modes.
-
-    Returns:
-        The frequencies (Hz), ascending, shape (links,); and the angles of the links in each mode,
-        one mode a column, shape (links, links).
     """
     from scipy.linalg import eigh
 
@@ -179,5 +166,5 @@ def chain_modes(
     springs = np.full((links, 1), hinge_stiffness(diameter, length, modulus, links))
     springs[0] = root_stiffness
     twists = np.eye(links) - np.eye(links, k=-1)
-    squares, shapes = eigh(twists.T @ (springs * twists), inertia)
-    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / math.tau), np.asarray(shapes)
+    squares = eigh(twists.T @ (springs * twists), inertia, eigvals_only=True)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / math.tau)
