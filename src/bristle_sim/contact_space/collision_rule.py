@@ -11,7 +11,7 @@ import pymunk
 
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.joints import Vector
-from bristle_sim.theory.impact import Impact, energetic_impact
+from bristle_sim.theory.impact import Impact
 from bristle_sim.theory.numbers import checked_numbers
 from bristle_sim.units import shown
 
@@ -59,9 +59,9 @@ class CollisionRule:
         types: tuple[Any, Any],
         friction: float,
         restitution: float,
-        restitution_friction: float | None = None,
-        tangential_compliance: float = 0.0,
-        law: Callable[..., Impact] = energetic_impact,
+        restitution_friction: float | None,
+        tangential_compliance: float,
+        law: Callable[..., Impact],
     ) -> None:
         for name, kind in zip(("collision_type_a", "collision_type_b"), types, strict=True):
             if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind < MOST_TYPES:
