@@ -6,11 +6,10 @@ bristle is a single link. The reference shares with the scene only the parameter
 result, the impact law, and the stiffness and damping of a wire's hinges.
 
 Modules: ``mechanics`` has the equations of motion, ``contacts`` the kinematics of contacts with
-bar, workpart or another wire, ``forces`` the forces of sustained contacts, ``state`` a state and a
-sustained contact, ``log`` the record of a run, ``system`` the wires among their obstacles,
-``decisions`` the impacts and other consequences of events, ``events`` the ends of intervals of
-smooth motion, ``crossing`` the search for the first event, ``run`` the main loop, and ``simulate``
-the functions to call.
+bar, workpart or another wire, ``forces`` a state, sustained contacts and their forces, ``log`` the
+record of a run, ``system`` the wires among their obstacles, ``decisions`` the impacts and other
+consequences of events, ``events`` the ends of intervals of smooth motion, ``crossing`` the search
+for changes of sign, ``run`` the main loop, and ``simulate`` the functions to call.
 """
 
 from bristle_sim.reference.simulate import (

@@ -1,4 +1,4 @@
-"""The times in an integration step at which a function changes its sign, and the first event.
+"""The times in an integration step at which a function changes its sign.
 
 Short excursions beyond zero are not missed. On a short interval a smooth function equals its
 Chebyshev series up to rounding error, and a companion matrix gives all roots of the series at once.
@@ -9,17 +9,12 @@ function. If 17 samples do not resolve the function (a kink, a jump), the interv
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
-from operator import itemgetter
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.events import Event, Follow, Value
-from bristle_sim.reference.state import State
-from bristle_sim.reference.system import System
 
 Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n,)
 
@@ -111,46 +106,3 @@ def crossings(
         sense = after
         last = probe
     return found
-
-
-def first_event(
-    events: list[Event],
-    system: System,
-    motion: Callable[[Array], list[State]],
-    start: float,
-    end: float,
-) -> tuple[float, Follow | None]:
-    """Return the first event in a step of the integrator.
-
-    An event function whose value at the start of the step is zero within rounding error is taken to
-    have the sign that it has before its event.
-
-    Args:
-        events: the possible events.
-        system: the wires and their contacts.
-        motion: function that returns the states at an array of times (s).
-        start: start of the step, s.
-        end: end of the step, s.
-
-    Returns:
-        The time of the event (s) and the function that applies its consequence. Without an event
-        the results are ``end`` and None.
-    """
-
-    def along(value: Value, times: Array) -> Array:
-        return np.array([value(system.at(each)) for each in motion(times)])
-
-    instants = [system.at(each) for each in motion(nodes(start, end))]
-    found: list[tuple[float, Follow | None]] = [(end, None)]
-    for event in events:
-        changes = crossings(
-            partial(along, event.value),
-            start,
-            end,
-            event.resolution,
-            0 if event.extreme else -event.direction,
-            np.array([event.value(at) for at in instants]),
-        )
-        times = [time for time, direction in changes if direction == event.direction]
-        found += [(time, event.follow) for time in times[:1]]
-    return min(found, key=itemgetter(0))

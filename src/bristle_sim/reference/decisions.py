@@ -10,8 +10,15 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.reference.contacts import Point, Touch, Workpart, follows
-from bristle_sim.reference.forces import EDGE, acting, closed, solve
-from bristle_sim.reference.state import Compliant, State, Sustained
+from bristle_sim.reference.forces import (
+    EDGE,
+    Compliant,
+    State,
+    Sustained,
+    acting,
+    closed,
+    solve,
+)
 from bristle_sim.reference.system import Instant, System
 from bristle_sim.theory.contact_spring import (
     ContactSpring,

@@ -19,9 +19,8 @@ from bristle_sim.reference.decisions import (
     end_compression,
     stop_foot,
 )
-from bristle_sim.reference.forces import normal_response
+from bristle_sim.reference.forces import Compliant, State, Sustained, normal_response
 from bristle_sim.reference.log import Finished, Record
-from bristle_sim.reference.state import Compliant, State, Sustained
 from bristle_sim.reference.system import Instant, System
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason
 

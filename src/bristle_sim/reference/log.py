@@ -10,8 +10,8 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Point
+from bristle_sim.reference.forces import State, Sustained
 from bristle_sim.reference.mechanics import Chain
-from bristle_sim.reference.state import State, Sustained
 from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 

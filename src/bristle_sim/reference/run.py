@@ -14,18 +14,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853
 
 from bristle_sim.arrays import Array
-from bristle_sim.reference.crossing import first_event
+from bristle_sim.reference.crossing import crossings, nodes
 from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Event, Follow, events_of
-from bristle_sim.reference.forces import solve
+from bristle_sim.reference.forces import Compliant, State, solve
 from bristle_sim.reference.log import Finished
-from bristle_sim.reference.state import Compliant, State
 from bristle_sim.reference.system import System
 from bristle_sim.settings import StopReason
 
@@ -101,18 +101,22 @@ class Run:
             values = solver.dense_output()
             self.evaluations += solver.nfev
             solver.nfev = 0
-            if follow := self._follow(events, values, solver.t_old, solver.t):
-                return follow
+            event = self._advance(events, values, solver.t_old, solver.t)
+            if event is not None:
+                return event.follow
             if system.rigid:  # the integrator goes on from the closed gaps
                 sums = solver.y[2 * system.chain.links :]
                 solver.y = np.concatenate([self.state.angles, self.state.rates, sums])
                 solver.f = solver.fun(solver.t, solver.y)
         return lambda state: state
 
-    def _follow(
+    def _advance(
         self, events: list[Event], values: Callable[[Any], Array], start: float, end: float
-    ) -> Follow | None:
+    ) -> Event | None:
         """Record the motion in a step of the integrator, up to the first event if there is one.
+
+        An event function whose value at the start of the step is zero within rounding error is
+        taken to have the sign that it has before its event.
 
         Args:
             events: the possible events.
@@ -121,7 +125,7 @@ class Run:
             end: end of the step, s.
 
         Returns:
-            The function that applies the consequence of the event, or None without an event.
+            The event, or None without an event.
         """
         system = self.system
 
@@ -129,16 +133,34 @@ class Run:
             pairs = zip(times.tolist(), values(times).T, strict=True)
             return [system.closed(self._state(*each)) for each in pairs]
 
-        until, follow = first_event(events, system, motion, start, end)
+        def along(event: Event, times: Array) -> Array:
+            return np.array([event.value(system.at(each)) for each in motion(times)])
+
+        instants = [system.at(each) for each in motion(nodes(start, end))]
+        until = end
+        first = None
+        for event in events:
+            changes = crossings(
+                partial(along, event),
+                start,
+                end,
+                event.resolution,
+                0 if event.extreme else -event.direction,
+                np.array([event.value(at) for at in instants]),
+            )
+            time = next((time for time, sense in changes if sense == event.direction), end)
+            if time < until:
+                until = time
+                first = event
         *between, self.state = motion(np.array([*system.log.times(start, until), until]))
         for each in between:
             self._sample(each)
         sums = values(until)[2 * system.chain.links :].reshape(-1, 4)
         for contact, reached in zip(system.sustained, sums, strict=True):
             contact.sums = reached
-        if follow is not None:
+        if first is not None:
             self._sample(self.state)
-        return follow
+        return first
 
     def _solver(self) -> DOP853:
         """Return an integrator that starts at the present state.

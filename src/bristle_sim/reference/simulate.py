@@ -18,10 +18,10 @@ from bristle_sim.parameters import START, Surface, Tool
 from bristle_sim.parameters.tool import checked_tool
 from bristle_sim.reference.contacts import Point, WirePairs, obstacles_of
 from bristle_sim.reference.decisions import close_contact
+from bristle_sim.reference.forces import State
 from bristle_sim.reference.log import Log
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
-from bristle_sim.reference.state import State
 from bristle_sim.reference.system import System
 from bristle_sim.settings import STOP_AFTER, StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Trajectory
@@ -262,7 +262,7 @@ def strike_reference(
 ) -> ContactRecord:
     """Return the first contact of a wire's tip with the workpart, computed on contact springs.
 
-    The springs are those of :class:`bristle_sim.reference.state.Compliant`. The record contains the
+    The springs are those of :class:`bristle_sim.reference.forces.Compliant`. The record contains the
     history of forces and penetration.
 
     Args:

@@ -11,10 +11,17 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Obstacles, Point, Touch
-from bristle_sim.reference.forces import Acting, Balance, balance, closed
+from bristle_sim.reference.forces import (
+    Acting,
+    Balance,
+    Compliant,
+    State,
+    Sustained,
+    balance,
+    closed,
+)
 from bristle_sim.reference.log import STRIKE, Finished, Log
 from bristle_sim.reference.mechanics import Chain, Kinematics
-from bristle_sim.reference.state import Compliant, State, Sustained
 from bristle_sim.settings import StopReason
 
 TOUCHES = (STRIKE, "workpart touch", "bar touch", "wire touch")
