@@ -122,8 +122,8 @@ def _in_si(
     )
 
 
-# Angular velocity (rad/s) below which the unit of time is 1 s. Its reciprocal may be too large for a
-# floating-point number.
+# Least angular velocity (rad/s) from which the unit of time is derived. The reciprocal of a smaller
+# one is not a floating-point number.
 SLOWEST_RATE = 1e-300
 
 
@@ -137,7 +137,7 @@ def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, Workpart
         The units of the scene.
     """
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
-    time = 1.0 / fastest if fastest > SLOWEST_RATE else 1.0
+    time = 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0
     units = Units(chain.lengths[-1], chain.masses[-1], time)
     rods = zip(chain.masses, chain.lengths, strict=True)
     links = tuple(Link.rod(mass / units.mass, length / units.length) for mass, length in rods)
