@@ -123,7 +123,7 @@ def _in_si(
 
 
 # Least angular velocity (rad/s) from which the unit of time is derived. The reciprocal of a smaller
-# one is not a floating-point number.
+# one may be too large for a floating-point number.
 SLOWEST_RATE = 1e-300
 
 
@@ -135,10 +135,17 @@ def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, Workpart
         The state at the instant of the impact.
         The pair of tip and surface.
         The units of the scene.
+
+    Raises:
+        ValueError: if the motion is too slow for a unit of time.
     """
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
-    time = 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0
-    units = Units(chain.lengths[-1], chain.masses[-1], time)
+    if 0.0 < fastest < SLOWEST_RATE:
+        raise ValueError(
+            f"rate before the impact = {fastest:.3g}: must be 0 or at least {SLOWEST_RATE:g} in magnitude, or rounding"
+            " hides the motion (in rad/s)"
+        )
+    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / (fastest or 1.0))
     rods = zip(chain.masses, chain.lengths, strict=True)
     links = tuple(Link.rod(mass / units.mass, length / units.length) for mass, length in rods)
     mechanism = Mechanism(
