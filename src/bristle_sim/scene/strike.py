@@ -122,8 +122,8 @@ def _in_si(
     )
 
 
-# Least angular velocity (rad/s) from which the unit of time is derived. The reciprocal of a smaller
-# one may be too large for a floating-point number.
+# Least angular velocity of a rod before an impact (rad/s) that is distinguished from rest. A smaller
+# one has few digits, and its reciprocal, a unit of time, may be no floating-point number.
 SLOWEST_RATE = 1e-300
 
 
@@ -137,14 +137,15 @@ def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, Workpart
         The units of the scene.
 
     Raises:
-        ValueError: if the motion is too slow for a unit of time.
+        ValueError: if a rod moves so slowly that rounding hides its motion.
     """
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
-    if 0.0 < fastest < SLOWEST_RATE:
-        raise ValueError(
-            f"rate before the impact = {fastest:.3g}: must be 0 or at least {SLOWEST_RATE:g} in magnitude, or rounding"
-            " hides the motion (in rad/s)"
-        )
+    for rate in chain.rates:
+        if 0.0 < abs(rate) < SLOWEST_RATE:
+            raise ValueError(
+                f"rate before the impact = {rate:.3g}: must be 0 or at least {SLOWEST_RATE:g} in magnitude, or rounding"
+                " hides the motion (in rad/s)"
+            )
     units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / (fastest or 1.0))
     rods = zip(chain.masses, chain.lengths, strict=True)
     links = tuple(Link.rod(mass / units.mass, length / units.length) for mass, length in rods)
