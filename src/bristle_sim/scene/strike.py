@@ -146,7 +146,8 @@ def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, Workpart
                 f"rate before the impact = {rate:.3g}: must be 0 or at least {SLOWEST_RATE:g} in magnitude, or rounding"
                 " hides the motion (in rad/s)"
             )
-    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / (fastest or 1.0))
+    time = 1.0 / max(fastest, SLOWEST_RATE) if fastest else 1.0
+    units = Units(chain.lengths[-1], chain.masses[-1], time)
     rods = zip(chain.masses, chain.lengths, strict=True)
     links = tuple(Link.rod(mass / units.mass, length / units.length) for mass, length in rods)
     mechanism = Mechanism(
