@@ -15,7 +15,6 @@ from bristle_sim.theory.crater import (
     energy_crater_depth_ratio,
     friction_for_crater_depth,
     merchant_crater_depth,
-    merchant_crater_depth_limit,
     work_along_path,
 )
 from bristle_sim.theory.crater_kinematics import (
@@ -141,8 +140,11 @@ def test_ply_sum_is_equation_4_56_letter_by_letter():
 
 def test_depths_at_the_operating_point():
     assert abs(micrometres(merchant_crater_depth()) - 139.40) < 0.005
-    assert abs(micrometres(merchant_crater_depth_limit()) - 142.09) < 0.005
-    assert abs(micrometres(merchant_crater_depth_limit(angles=PRINTED_ANGLES)) - 142.28) < 0.005
+    assert abs(micrometres(merchant_crater_depth(plies=math.inf)) - 142.09) < 0.005
+    assert (
+        abs(micrometres(merchant_crater_depth(plies=math.inf, angles=PRINTED_ANGLES)) - 142.28)
+        < 0.005
+    )
     # "140 microns" (below 4.56) holds at 300 plies to two digits, not in the limit to three.
     assert abs(micrometres(merchant_crater_depth()) - 140.0) < 5.0
 
@@ -161,7 +163,7 @@ def test_limit_is_the_integral():
         epsrel=1e-12,
         epsabs=0.0,
     )
-    assert merchant_crater_depth_limit(angles=PRINTED_ANGLES) == pytest.approx(
+    assert merchant_crater_depth(plies=math.inf, angles=PRINTED_ANGLES) == pytest.approx(
         value * ratio, rel=1e-10
     )
     assert error < 1e-10 * value
@@ -178,7 +180,7 @@ def _width_coefficient():
 
 def test_the_sum_converges_with_order_one_half_and_the_error_of_navot():
     plies = np.array([1000, 10_000, 100_000, 1_000_000])
-    gap = merchant_crater_depth_limit(angles=PRINTED_ANGLES) - merchant_crater_depth(
+    gap = merchant_crater_depth(plies=math.inf, angles=PRINTED_ANGLES) - merchant_crater_depth(
         plies=plies, angles=PRINTED_ANGLES
     )
     order = np.log10(gap[:-1] / gap[1:])

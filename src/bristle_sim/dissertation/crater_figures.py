@@ -24,7 +24,6 @@ from bristle_sim.theory.crater import (
     energy_crater_depth_ratio,
     friction_for_crater_depth,
     merchant_crater_depth,
-    merchant_crater_depth_limit,
 )
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
@@ -138,7 +137,7 @@ def plies_figure() -> Redrawn:
         curve_of("exact angles", partial(_depth, "plies", {}), WHOLE_PLIES, points),
         curve_of("rounded angles (4.52)", rounded, WHOLE_PLIES),
     )
-    limit = float(merchant_crater_depth_limit())
+    limit = float(merchant_crater_depth(plies=math.inf))
     depth = float(rounded(300))
     levels = (MEASURED_LEVEL, Level(limit, f"limit {1e6 * limit:.2f} µm"))
     mark = Mark(300.0, depth, f"{1e6 * depth:.2f} µm, printed 140")

@@ -104,8 +104,11 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     of_energy = {name: cut[name] for name in ("impact_angle", "compression_time")}
     depths = {"energy_crater_depth": float(chapter_4.energy_crater_depth(plies, **of_energy))}
     try:
-        depths["merchant_crater_depth"] = float(chapter_4.merchant_crater_depth(plies=plies, **cut))
-        depths["merchant_crater_depth_limit"] = float(chapter_4.merchant_crater_depth_limit(**cut))
+        for name, count in (
+            ("merchant_crater_depth", plies),
+            ("merchant_crater_depth_limit", math.inf),
+        ):
+            depths[name] = float(chapter_4.merchant_crater_depth(plies=count, **cut))
     except ShearAngleError as error:
         remarks.append(f"no chip by (4.35): {error}")
     if contact is None:

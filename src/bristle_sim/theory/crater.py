@@ -26,6 +26,8 @@ diameter in m, which bounds the width b(t). "Printed" values are those of the di
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -75,7 +77,8 @@ def merchant_crater_depth(
         friction: coefficient of friction while cutting.
         impact_angle: angle at which the tip's path descends into the surface, rad.
         shear_yield_stress: shear yield stress of the workpart, Pa.
-        plies: number of time steps.
+        plies: number of time steps. ``math.inf`` gives the limit; the error of a sum of n steps
+            decreases like 1/sqrt(n).
         angles: rake, friction and shear angle of the cut; by default they follow from ``friction``
             and ``impact_angle``. ``PRINTED_ANGLES`` are the rounded angles of eq. 4.52.
         compression_time: duration of the compression, s.
@@ -89,40 +92,17 @@ def merchant_crater_depth(
     >>> from bristle_sim.theory.merchant import PRINTED_ANGLES
     >>> print(f"{1e6 * merchant_crater_depth(angles=PRINTED_ANGLES):.0f} um")
     140 um
+
+    100,000 plies give 142.13 um; the limit is:
+
+    >>> print(f"{1e6 * merchant_crater_depth(plies=math.inf, angles=PRINTED_ANGLES):.2f} um")
+    142.28 um
     """
     counts = np.asarray(plies)
-    sums = [_ply_sum(int(n), compression_time, wire_diameter) for n in counts.flat]
+    sums = [_ply_sum(float(n), compression_time, wire_diameter) for n in counts.flat]
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * np.reshape(
         sums, counts.shape
     )
-
-
-def merchant_crater_depth_limit(
-    friction: ArrayLike = CUTTING_FRICTION,
-    impact_angle: ArrayLike = IMPACT_ANGLE,
-    shear_yield_stress: ArrayLike = API_5L,
-    *,
-    angles: CuttingAngles | None = None,
-    compression_time: float = COMPRESSION_TIME,
-    wire_diameter: float = PRINTED_FACE.short_axis,
-) -> Number:
-    """Return the crater depth by Merchant's circle for infinitely many time steps, m.
-
-    The arguments are those of ``merchant_crater_depth``, whose limit this is. The error of a sum of
-    n steps decreases like 1/sqrt(n). With the printed angles 100,000 steps give 142.13 um; the
-    limit is:
-
-    >>> from bristle_sim.theory.merchant import PRINTED_ANGLES
-    >>> print(f"{1e6 * merchant_crater_depth_limit(angles=PRINTED_ANGLES):.2f} um")
-    142.28 um
-    """
-    u = 0.5 * (
-        NODES + 1.0
-    )  # t = t_c u^2 turns R'(t)/b(t), which is like 1/sqrt(t), into a smooth integrand
-    time = compression_time * u**2
-    width = CuttingWidth(0.5 * wire_diameter)
-    growth = float(np.sum(WEIGHTS * compression_time * u * BRISTLE.rate(time) / width(time)))
-    return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
 
 
 def friction_for_crater_depth(
@@ -219,13 +199,20 @@ def _depth_ratio(
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
 
 
-def _ply_sum(plies: int, compression_time: float, wire_diameter: float) -> float:
+def _ply_sum(plies: float, compression_time: float, wire_diameter: float) -> float:
     """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i) over equal time steps, N/m.
 
-    R is the resultant force, b the width of the cut.
+    R is the resultant force, b the width of the cut. For infinitely many steps it is the integral
+    of R'(t)/b(t).
     """
-    time = np.linspace(0.0, compression_time, plies + 1)
-    return float(np.sum(np.diff(BRISTLE(time)) / CuttingWidth(0.5 * wire_diameter)(time[1:])))
+    width = CuttingWidth(0.5 * wire_diameter)
+    if math.isinf(plies):
+        # t = t_c u^2 turns R'(t)/b(t), which is like 1/sqrt(t), into a smooth integrand.
+        u = 0.5 * (NODES + 1.0)
+        time = compression_time * u**2
+        return float(np.sum(WEIGHTS * compression_time * u * BRISTLE.rate(time) / width(time)))
+    time = np.linspace(0.0, compression_time, int(plies) + 1)
+    return float(np.sum(np.diff(BRISTLE(time)) / width(time[1:])))
 
 
 def energy_crater_depth(

@@ -173,7 +173,6 @@ def _pulses(time: Array, force: Array) -> Iterator[_Pulse]:
     Each estimate is the highest pulse of a moving average of the record. Its height is measured
     once from the median of the record and once from the mean of its first and last value.
     """
-    seen = set[tuple[int, int]]()
     interval = float(np.median(np.diff(time)))
     for width in (2**power for power in range(max(1, int(math.log2(force.size)) - 1))):
         weights = np.ones(width) / width
@@ -191,9 +190,7 @@ def _pulses(time: Array, force: Array) -> Iterator[_Pulse]:
             )
             length = max((right - left) / HALF_WIDTH, SHORTEST * interval)
             begin = left - RISE * length
-            place = round(20.0 * begin / length), round(20.0 * math.log(length / interval))
-            if smooth[top] > level and place not in seen:
-                seen.add(place)
+            if smooth[top] > level:
                 yield _Pulse(begin, length, float(smooth[top]) - level, level)
 
 
