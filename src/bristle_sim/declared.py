@@ -215,22 +215,24 @@ class Range(Declaration):
             number = float(value) if real else math.nan
         except (OverflowError, TypeError):  # too large an integer, or a duration of NumPy
             number = math.nan
-        if self._holds(number):
+        if self.holds(number):
             return int(number) if self.whole else number + 0.0
         # A number without unit may have been meant in the customary unit, for example 27 in mm.
         unit, size = self.display
         bare = f"{number:g}" if typed is None else typed.strip()
-        fits = bare[-1].isdigit() and size < 1.0 and self._holds(scaled(number, size))
+        fits = bare[-1].isdigit() and size < 1.0 and self.holds(scaled(number, size))
         refused = value if math.isnan(number) else number
         if self.whole and number.is_integer():
             refused = int(number)
         raise self.refusal(typed or refused, f"; did you mean {bare} {unit}?" if fits else "")
 
-    def _holds(self, number: float) -> bool:
-        """Return whether a number is in the range, and is whole if it must be."""
+    def holds(self, number: Any) -> Any:
+        """Return whether a number, or each number of an array, is in the range, and is whole if it
+        must be.
+        """
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        whole = not self.whole or number.is_integer()
-        return above and number <= self.highest and math.isfinite(number) and whole
+        whole = number % 1.0 == 0.0 if self.whole else True
+        return above & (number <= self.highest) & (abs(number) < math.inf) & whole
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
         """Return the ValueError for a refused value; ``why`` follows the permitted range in it."""

@@ -78,7 +78,7 @@ def test_the_series_solves_the_equation_of_motion(gravity: float):
     passes.rate[:] = [1.0, -2.0]
     course = course_of(passes)
     step = step_length(passes, course, 1e-11)
-    angle, rate = course.at(step)
+    angle, rate = course.at(step, np.arange(2))
     degrees = np.arange(1, course.series.shape[1])[:, np.newaxis]
     found = (degrees * course.series[1, 1:] * step ** (degrees - 1)).sum(axis=0)
     expected = free_acceleration(passes, passes.hub_angle + step, angle, rate)
@@ -94,13 +94,13 @@ def test_a_root_beside_a_singularity_is_found(width: float, slopes: bool):
     """
     a = np.array([1e-9, 1e-3]) * width**1.5
 
-    def function(x: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-        value = 1.0 - a * (width - x) ** -1.5
-        return value, -1.5 * a * (width - x) ** -2.5 if slopes else None
+    def function(x: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        value = 1.0 - a[chosen] * (width - x) ** -1.5
+        return value, -1.5 * a[chosen] * (width - x) ** -2.5 if slopes else None
 
     low = np.zeros(2)
     high = np.full(2, width * (1.0 - 1e-12))
-    found = root(lambda _: function, (low, high), function(high)[0], low + 1e-15 * width)
+    found = root(function, (low, high), function(high, np.arange(2))[0], low + 1e-15 * width)
     np.testing.assert_allclose(width - found, a ** (2.0 / 3.0), rtol=0.0, atol=1e-7 * width)
 
 

@@ -1,8 +1,9 @@
 """Many passes of straight rigid bristles at once, by the equations of motion alone, in NumPy
 arrays.
 
-The passes under way form two groups: bristles in flight, and bristles that touch the bar. The
-larger group advances next, and a pass changes its group at a touch and at a release.
+The passes under way form three groups: bristles in flight, bristles that touch the bar, and bristles
+that lie on it. The largest group advances next, and a pass changes its group at a touch and at a
+release.
 
 Modules in reading order: ``ensemble`` (the public function), ``request`` (the tools), ``state``
 (their dimensionless numbers), ``motion`` (flight), ``bar`` (kinematics at the bar), ``crossing``

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Array, Number
+from bristle_sim.arrays import Array
 from bristle_sim.passes.motion import Vector, direction, free_acceleration
 from bristle_sim.passes.state import Chosen, Passes
 
@@ -101,31 +101,21 @@ def closest(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Clos
     return Closest(distance - passes.reach, opening, along, offset, root, wire)
 
 
-class Levers(NamedTuple):
-    """Velocity of the point of the wire's surface that touches the bar, and its lever arms.
-
-    A lever arm is the derivative of a velocity component with respect to the wire's angular
-    velocity. Lengths are divided by the bristle's length, and the hub angle is the time.
-
-    Attributes:
-        normal, tangential: lever arms of the normal and of the tangential velocity.
-        normal_velocity, tangential_velocity: components of the velocity.
-        side: 1 for a wire behind the bar, which holds the wire back, and -1 for a wire ahead of it.
-    """
-
-    normal: Number
-    tangential: Number
-    normal_velocity: Number
-    tangential_velocity: Number
-    side: Array
-
-
-def levers(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Levers:
+def levers(
+    passes: Passes, hub_angle: Array, angle: Array, rate: Array
+) -> tuple[Array, Array, Array, Array, Array]:
     """Return the velocity of the point of the wire's surface that touches the bar, and its lever
     arms.
 
-    The normal points from the bar to the wire. The tangent is the normal rotated clockwise by a
-    right angle.
+    A lever arm is the derivative of a velocity component with respect to the wire's angular
+    velocity. The normal points from the bar to the wire. The tangent is the normal rotated clockwise
+    by a right angle. Lengths are divided by the bristle's length, and the hub angle is the time.
+
+    Returns:
+        The lever arms of the normal and of the tangential velocity.
+        The normal and the tangential velocity.
+        The side: 1 for a wire behind the bar, which holds the wire back, and -1 for a wire ahead of
+        it.
     """
     near = closest(passes, hub_angle, angle, rate)
     normal = -near.offset / np.abs(near.offset)
@@ -133,7 +123,7 @@ def levers(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Lever
     lever = 1j * (near.along * near.wire * normal.conj() - passes.wire_radius)
     velocity = 1j * near.root * normal.conj() + (1.0 + rate) * lever
     side = np.where((near.offset * near.wire.conj()).imag >= 0.0, 1.0, -1.0)
-    return Levers(lever.real, -lever.imag, velocity.real, -velocity.imag, side)
+    return lever.real, -lever.imag, velocity.real, -velocity.imag, side
 
 
 class Lying(NamedTuple):
@@ -153,13 +143,12 @@ class Lying(NamedTuple):
     pressure: Array
 
 
-def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen | bool) -> Lying:
+def lying(passes: Passes, hub_angle: Array, at_end: Chosen) -> Lying:
     """Return the motion of wires that lie on the bar, at hub angles of shape (..., passes).
 
     Args:
         passes: passes of the wires.
         hub_angle: hub angles psi, rad.
-        side: 1 for a wire behind the bar, and -1 for a wire ahead of it.
         at_end: whether a wire touches with its end rather than its flank.
     """
     chi = hub_angle - passes.bar_angle
@@ -168,16 +157,15 @@ def lying(passes: Passes, hub_angle: Array, side: Array, at_end: Chosen | bool) 
     # first and second derivatives of ln D + i delta
     first = -1j * root / apart
     second = root / apart - first * first
-    eta, slope, bend = _flank_tilt(passes, np.abs(apart))
-    if np.any(at_end):
-        tilt = _end_tilt(passes, np.abs(apart))
-        eta, slope, bend = np.where(at_end, tilt, (eta, slope, bend))
+    distance = np.abs(apart)
+    tilts = zip(_end_tilt(passes, distance), _flank_tilt(passes, distance), strict=True)
+    eta, slope, bend = (np.where(at_end, *each) for each in tilts)
     eta_1 = slope * first.real
     eta_2 = slope * second.real - bend * (eta_1**2 + first.real**2)
-    angle = np.arctan2(apart.imag, apart.real) - side * eta - chi
-    rate = first.imag - side * eta_1 - 1.0
-    acceleration = second.imag - side * eta_2
-    pressure = side * (free_acceleration(passes, hub_angle, angle, rate) - acceleration)
+    angle = np.arctan2(apart.imag, apart.real) - passes.side * eta - chi
+    rate = first.imag - passes.side * eta_1 - 1.0
+    acceleration = second.imag - passes.side * eta_2
+    pressure = passes.side * (free_acceleration(passes, hub_angle, angle, rate) - acceleration)
     return Lying(angle, rate, acceleration, pressure)
 
 
@@ -219,6 +207,6 @@ def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen
     A wire is locked if no normal force on it, together with the friction force, rotates the wire
     away from the bar.
     """
-    touch = levers(passes, hub_angle, angle, rate)
-    rub = passes.bar_friction * np.sign(touch.tangential_velocity) * touch.tangential
-    return np.asarray(touch.normal * (touch.normal - rub) <= 0.0)
+    normal, tangential, _, slip, _ = levers(passes, hub_angle, angle, rate)
+    rub = passes.bar_friction * np.sign(slip) * tangential
+    return np.asarray(normal * (normal - rub) <= 0.0)

@@ -4,13 +4,10 @@ method where derivatives are unknown.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.passes.motion import Function
-from bristle_sim.passes.state import Chosen
 
 MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
 
@@ -33,7 +30,7 @@ radians."""
 
 
 def root(
-    function_of: Callable[[Chosen], Function],
+    function: Function,
     ends: tuple[Array, Array],
     high_value: Array,
     start: Array,
@@ -46,8 +43,8 @@ def root(
     evaluations is therefore bounded.
 
     Args:
-        function_of: function that takes the indices of some brackets, and returns the function
-            whose roots lie in these brackets.
+        function: function of places in some brackets, and of the indices of these brackets, that
+            returns its values there, and its derivatives or None.
         ends: lower and upper ends of the brackets.
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.
@@ -61,14 +58,13 @@ def root(
     width = high - low
     rises = high_value > 0.0
     place, last, last_value = start, high, high_value
-    function = function_of(numbers)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for count in range(MOST_EVALUATIONS):
             inside = (place > low) & (place < high)
             if count > MOST_STEPS and count % 2:
                 inside[:] = False
             place = np.where(inside, place, 0.5 * (low + high))
-            value, slope = function(place)
+            value, slope = function(place, numbers)
             secant = place - last
             step = value / ((value - last_value) / secant if slope is None else slope)
             if slope is not None:
@@ -91,5 +87,4 @@ def root(
                     each[going] for each in (place, low, high, last, last_value, width)
                 )
                 going = going[going]
-                function = function_of(numbers)
     return found

@@ -16,6 +16,7 @@ from bristle_sim.passes.state import (
     BAR,
     FLIES,
     FOLDS,
+    LIES,
     LOCKED,
     MISSED,
     TOO_MANY,
@@ -24,7 +25,7 @@ from bristle_sim.passes.state import (
     joined,
 )
 from bristle_sim.passes.strike import JAMS, MISSES, OUTCOMES, REFUSED, strike
-from bristle_sim.passes.touch import touch_bar
+from bristle_sim.passes.touch import lie, touch_bar
 from bristle_sim.settings import Settings
 
 HUB_TURN = Settings().hub_turn
@@ -54,7 +55,7 @@ REASONS = {
 UNTOUCHED = "the wire does not touch the bar"
 OTHERWISE = "a change within the accuracy gives it another course or outcome"
 
-STEPS = {FLIES: fly, BAR: touch_bar}
+STEPS = {FLIES: fly, BAR: touch_bar, LIES: lie}
 
 Columns = dict[str, NDArray[Any]]
 """Results of all passes of a request by name, and their outcomes, as codes, and reasons."""
@@ -109,32 +110,31 @@ def ensemble(
     columns: Columns = {name: np.full(request.size, np.nan) for name in QUANTITIES}
     columns["outcome"] = np.full(request.size, REFUSED, dtype=np.int8)
     columns["reason"] = np.full(request.size, "", dtype=object)
-    nothing = passes_of(request, np.arange(0))[0]
-    groups = {code: [nothing] for code in (FLIES, BAR, ENDED)}
+    groups: dict[int, list[Passes]] = {code: [] for code in (*STEPS, ENDED)}
     sizes = dict.fromkeys(groups, 0)
     begun = 0
     while begun < request.size or any(sizes.values()):
-        under_way = sizes[FLIES] + sizes[BAR]
+        under_way = sum(sizes[code] for code in STEPS)
         if begun < request.size and under_way < LEAST_FLYING:
             last = min(begun + BLOCK, request.size)
             some, columns["reason"][begun:last] = passes_of(request, np.arange(begun, last))
             begun = last
         elif under_way and sizes[ENDED] < LEAST_FLYING:
-            # the larger group goes on: calls for few passes cost as much as for many
-            turn = FLIES if sizes[FLIES] >= sizes[BAR] else BAR
+            # the largest group goes on: calls for few passes cost as much as for many
+            turn = max(STEPS, key=sizes.__getitem__)
             some = joined(groups[turn])
-            groups[turn] = []
+            groups[turn].clear()
             some.code[:] = STEPS[turn](some, checked.accuracy)
         else:
-            # passes that have ended are evaluated when they are many
-            _record(request, checked.accuracy, joined(groups[ENDED]), columns)
-            groups[ENDED] = []
-            some = nothing
+            some = joined(groups[ENDED])
+            groups[ENDED].clear()
+            _record(request, checked.accuracy, some, columns)
+            some = some.take(np.arange(0))
         for code, group in groups.items():
             group.append(some.take(np.flatnonzero(np.minimum(some.code, ENDED) == code)))
             sizes[code] = sum(each.size for each in group)
         if progress is not None:
-            progress((begun - sizes[FLIES] - sizes[BAR]) / request.size)
+            progress((begun - sum(sizes[code] for code in STEPS)) / request.size)
     columns["outcome"] = np.array(OUTCOMES)[columns["outcome"]]
     shaped = {name: each.reshape(request.shape) for name, each in columns.items()}
     return Ensemble(keys=request.given, **shaped)
@@ -143,28 +143,25 @@ def ensemble(
 def _record(request: Request, accuracy: float, passes: Passes, columns: Columns) -> None:
     """Evaluate passes that have ended, and store their results in ``columns``."""
     reason = columns["reason"]
-    numbers = passes.number.astype(int)
     for code, text in REASONS.items():
-        reason[numbers[passes.code == code]] = text
+        reason[passes.number[passes.code == code].astype(int)] = text
     done = passes.take(np.flatnonzero(np.isin(passes.code, (MISSED, LOCKED, WORKPART))))
-    struck = done.take(np.flatnonzero(done.code == WORKPART))
-    speed = request.at(done.number.astype(int))["hub_speed"]
+    numbers = done.number.astype(int)
+    values = request.at(numbers)
     found = {
-        "release_time": (done.release - done.start) / speed,
+        "release_time": (done.release - done.start) / values["hub_speed"],
         "release_retraction": -done.release_angle,
         "largest_retraction": -done.lowest,
         "error_estimate": np.minimum(done.error, UNCERTAIN),
         "outcome": np.where(done.code == LOCKED, JAMS, MISSES),
     }
-    results = [(done, found)]
+    for name, each in found.items():
+        columns[name][numbers] = each
+    struck = np.flatnonzero(done.code == WORKPART)
     if struck.size:
-        values = request.at(struck.number.astype(int))
-        results.append((struck, strike(struck, values, accuracy)))
-    for some, quantities in results:
-        numbers = some.number.astype(int)
-        for name, each in quantities.items():
-            columns[name][numbers] = each
-    numbers = done.number.astype(int)
+        own = {key: each[struck] for key, each in values.items()}
+        for name, each in strike(done.take(struck), own, accuracy).items():
+            columns[name][numbers[struck]] = each
     uncertain = columns["error_estimate"][numbers] >= UNCERTAIN
     for where, text in ((np.isnan(done.release), UNTOUCHED), (uncertain, OTHERWISE)):
         reason[numbers[where & (reason[numbers] == "")]] = text

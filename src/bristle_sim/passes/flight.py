@@ -5,7 +5,7 @@ step.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from bristle_sim.passes.motion import (
     SEGMENT,
     Course,
     Function,
-    Motion,
     course_of,
     direction,
     step_length,
@@ -67,18 +66,10 @@ MINIMUM_ERROR = 1e-8  # largest error of the location of a minimum, relative to 
 BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index: the indices of its two ends
 
 
-class Samples(NamedTuple):
-    """Motion of passes at the ends of the segments of a step, shape (segments + 1, passes).
-
-    Attributes:
-        turn: angle by which the hub has rotated since the step began, rad.
-        angle: angle of the wire relative to the hub, rad.
-        rate: derivative of this angle with respect to the hub angle.
-    """
-
-    turn: Array
-    angle: Array
-    rate: Array
+Samples = Array
+"""Motion of passes at the ends of the segments of a step, shape (3, segments + 1, passes): the
+rotation of the hub since the step began (rad), the angle of the wire relative to the hub (rad), and
+the derivative of this angle with respect to the hub angle."""
 
 
 def fly(passes: Passes, accuracy: float) -> Chosen:
@@ -91,16 +82,16 @@ def fly(passes: Passes, accuracy: float) -> Chosen:
     course = course_of(passes)
     step, near = _step(passes, course, tolerance)
     passes.error += np.abs(course.series[1, ORDER - 1]) * step ** (ORDER - 1.0) / passes.rate_scale
-    samples = Samples(FRACTIONS * step, *course.sampled(step))
+    samples = np.array([FRACTIONS * step, *course.sampled(step)])
     code = np.full(passes.size, FLIES)
-    advance(passes, course.motion, samples, near, step, code, accuracy)
+    advance(passes, course.at, samples, near, step, code, accuracy)
     code[(code == FLIES) & (passes.hub_angle >= passes.end)] = MISSED
     return code
 
 
 def advance(
     passes: Passes,
-    motion: Motion,
+    motion: Function,
     samples: Samples,
     near: Chosen,
     place: Array,
@@ -122,14 +113,14 @@ def advance(
         accuracy: requested accuracy. An obstacle passed at a smaller distance makes the number of
             touches uncertain.
     """
-    for obstacle, chosen in ((WORKPART, low(passes, samples.turn[-1])), (BAR, near)):
-        closing, margin = first_closing(obstacle, passes, motion, samples, chosen)
-        passes.error[margin < accuracy] = 1.0
+    turns, angles, _ = samples
+    for obstacle, chosen in ((WORKPART, low(passes, turns[-1])), (BAR, near)):
+        closing = first_closing(obstacle, passes, motion, samples, chosen, accuracy)
         code[closing <= place] = obstacle
         place = np.minimum(place, closing)
-    folded = ((np.abs(samples.angle) > QUARTER_TURN) & (samples.turn <= place)).any(axis=0)
+    folded = ((np.abs(angles) > QUARTER_TURN) & (turns <= place)).any(axis=0)
     _note_lowest(passes, motion, samples, place)
-    passes.angle[:], passes.rate[:] = motion(np.arange(passes.size))(place)[:2]
+    passes.angle[:], passes.rate[:] = motion(place, np.arange(passes.size))[:2]
     np.minimum(passes.lowest, passes.angle, out=passes.lowest)
     passes.hub_angle += place
     code[folded | (np.maximum(passes.angle, -passes.lowest) > QUARTER_TURN)] = FOLDS
@@ -191,14 +182,17 @@ and then its derivative with respect to the hub angle."""
 def first_closing(
     obstacle: int,
     passes: Passes,
-    motion: Motion,
+    motion: Function,
     samples: Samples,
     chosen: Chosen,
-) -> tuple[Array, Array]:
-    """Find the first touch of an obstacle by each wire during a step.
+    accuracy: float,
+) -> Array:
+    """Return the rotation of the hub from the start of a step to the first touch of an obstacle by
+    each wire (rad), infinite without a touch.
 
     A gap closes in a segment of the step if it is negative or zero at the segment's end, or if its
-    minimum within the segment is negative.
+    minimum within the segment is negative. A minimum between zero and the accuracy makes the number
+    of touches uncertain, and sets the pass's error to 1.
 
     Args:
         obstacle: code of the obstacle.
@@ -206,56 +200,45 @@ def first_closing(
         motion: motion of the wires.
         samples: motion at the ends of the segments.
         chosen: indices of the wires that may touch the obstacle.
-
-    Returns:
-        The rotation of the hub from the start of the step to the touch (rad), infinite without a
-        touch. The smallest minimum of the gap before the touch, divided by the bristle's length,
-        infinite without a minimum.
+        accuracy: requested accuracy.
     """
-
-    def gap_of(numbers: Chosen) -> Callable[[Array], Any]:
-        """Return a function of the hub's rotation (rad) that computes gaps and their derivatives.
-
-        ``numbers`` selects the passes among those in ``chosen``.
-        """
-        some, moving = passes.take(chosen[numbers]), motion(chosen[numbers])
-        return lambda turn: gap(some, some.hub_angle + turn, *moving(turn)[:2])[:2]
-
-    gap = GAPS[obstacle]
     place = np.full(passes.size, np.inf)
-    margin = place.copy()
     if not chosen.size:
-        return place, margin
-    turns, angles, rates = (each.take(chosen, axis=1) for each in samples)
+        return place
+    gap = GAPS[obstacle]
+
+    def gap_at(turn: Array, numbers: Chosen) -> Any:
+        """Return the gaps and their derivatives for some of the wires in ``chosen``."""
+        some = passes.take(chosen[numbers])
+        return gap(some, some.hub_angle + turn, *motion(turn, chosen[numbers])[:2])[:2]
+
     some = passes.take(chosen)
+    turns, angles, rates = samples.take(chosen, axis=-1)
     gaps, rates = gap(some, some.hub_angle + turns, angles, rates)[:2]
-    begins = some.parting & (obstacle == BAR)
+    leaves = some.parting & (obstacle == BAR)
     way = FASTER * np.maximum(-rates[:-1], rates[1:]) * (turns[1:] - turns[:-1])
-    candidate = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[:-1] + gaps[1:] < way)
-    candidate[0, begins] = False
-    candidate |= gaps[1:] <= 0.0
-    while (number := np.flatnonzero(candidate.any(axis=0))).size:
-        part = candidate[:, number].argmax(axis=0)
-        candidate[part, number] = False
-        segment = np.array([each[part + BOTH_ENDS, number] for each in (turns, gaps, rates)])
-        dips = np.flatnonzero(segment[1, 1] > 0.0)
-        if dips.size:
-            bottom = _lowest(gap_of, number[dips], segment[:, :, dips])
-            least, _ = gap_of(number[dips])(bottom)
-            closes = least < 0.0
-            passed = chosen[number[dips[~closes]]]
-            margin[passed] = np.minimum(margin[passed], least[~closes])
-            segment[:2, 1, dips[closes]] = bottom[closes], least[closes]
-        closed = np.flatnonzero(segment[1, 1] <= 0.0)
-        if closed.size:
-            over = number[closed]
-            candidate[:, over] = False
-            leaves = begins[over] & (part[closed] == 0)
-            place[chosen[over]] = _closing(gap_of, over, segment[:, :, closed], leaves)
-    return place, margin
+    dips = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[1:] > 0.0) & (gaps[:-1] + gaps[1:] < way)
+    dips[0, leaves] = False
+    ends = np.array([turns, gaps, rates])
+    part, number = np.nonzero(dips)
+    if number.size:
+        bottom = _lowest(gap_at, number, ends[:, part + BOTH_ENDS, number])
+        least = gap_at(bottom, number)[0]
+        below = least < 0.0
+        # the segment ends at its minimum
+        ends[:2, part[below] + 1, number[below]] = bottom[below], least[below]
+        closings = np.cumsum(ends[1, 1:] <= 0.0, axis=0)[part, number]
+        passes.error[chosen[number[(closings == 0) & (least < accuracy)]]] = 1.0
+    closes = ends[1, 1:] <= 0.0
+    number = np.flatnonzero(closes.any(axis=0))
+    if number.size:
+        part = closes[:, number].argmax(axis=0)
+        segment = ends[:, part + BOTH_ENDS, number]
+        place[chosen[number]] = _closing(gap_at, number, segment, leaves[number] & (part == 0))
+    return place
 
 
-def _closing(gap_of: Motion, number: Chosen, segment: Array, leaves: Chosen) -> Array:
+def _closing(gap_at: Function, number: Chosen, segment: Array, leaves: Chosen) -> Array:
     """Return the rotation of the hub (rad) at which each gap closes within its segment.
 
     Newton's method starts from inverse cubic interpolation of the gap and its derivative at both
@@ -263,8 +246,7 @@ def _closing(gap_of: Motion, number: Chosen, segment: Array, leaves: Chosen) -> 
     finds the root of gap/rotation, which excludes this zero.
 
     Args:
-        gap_of: function that returns gap and derivative of some passes as a function of the
-            rotation.
+        gap_at: function that returns gaps and derivatives.
         number: indices of the passes.
         segment: rotation, gap and derivative at both ends, shape (3, 2, passes).
         leaves: whether the gap is zero at the segment's start.
@@ -276,20 +258,14 @@ def _closing(gap_of: Motion, number: Chosen, segment: Array, leaves: Chosen) -> 
         bend = rise * ((1.0 - part) / rates[0] - part / rates[1])
         start = low + part * part * (3.0 - 2.0 * part) * (high - low) + part * (1.0 - part) * bend
 
-    def function_of(chosen: Chosen) -> Function:
-        gap = gap_of(number[chosen])
-        leaving = leaves[chosen]
+    def value_at(place: Array, chosen: Chosen) -> tuple[Array, Array]:
+        gap, rate = gap_at(place, number[chosen])
+        return gap, rate - leaves[chosen] * gap / place
 
-        def value(place: Array) -> tuple[Array, Array]:
-            height, rate = gap(place)
-            return height, rate - leaving * height / place
-
-        return value
-
-    return root(function_of, (low, high), gaps[1], np.where(leaves, high, start))
+    return root(value_at, (low, high), gaps[1], np.where(leaves, high, start))
 
 
-def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
+def _lowest(values_at: Function, number: Chosen, segment: Array) -> Array:
     """Return the rotation of the hub (rad) at which each gap or angle is smallest within its
     segment.
 
@@ -297,16 +273,10 @@ def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
     the values and derivatives at the ends.
 
     Args:
-        values_of: function that returns value and derivative of some passes as a function of the
-            rotation.
+        values_at: function that returns values and derivatives.
         number: indices of the passes.
         segment: rotation, value and derivative at both ends, shape (3, 2, passes).
     """
-
-    def rate_of(numbers: Chosen) -> Function:
-        values = values_of(number[numbers])
-        return lambda place: (values(place)[1], None)
-
     (low, high), gaps, rates = segment
     width = high - low
     rise = 3.0 * (gaps[1] - gaps[0]) / width
@@ -314,10 +284,14 @@ def _lowest(values_of: Motion, number: Chosen, segment: Array) -> Array:
     twist = 3.0 * (rates[0] + rates[1]) - 2.0 * rise
     with np.errstate(divide="ignore", invalid="ignore"):
         least = -rates[0] / (bend + np.sqrt(bend * bend - twist * rates[0]))
-    return root(rate_of, (low, high), rates[1], low + least * width, MINIMUM_ERROR)
+
+    def rate_at(place: Array, chosen: Chosen) -> tuple[Array, None]:
+        return values_at(place, number[chosen])[1], None
+
+    return root(rate_at, (low, high), rates[1], low + least * width, MINIMUM_ERROR)
 
 
-def _note_lowest(passes: Passes, motion: Motion, samples: Samples, place: Array) -> None:
+def _note_lowest(passes: Passes, motion: Function, samples: Samples, place: Array) -> None:
     """Update the smallest relative angle of each pass by its first minimum within a rotation.
 
     Of the minima of the angle, only the first that may be smaller than all earlier angles is
@@ -330,6 +304,6 @@ def _note_lowest(passes: Passes, motion: Motion, samples: Samples, place: Array)
     number = np.flatnonzero(turning.any(axis=0))
     if number.size:
         part = turning[:, number].argmax(axis=0)
-        segment = np.array([each[part + BOTH_ENDS, number] for each in samples])
+        segment = samples[:, part + BOTH_ENDS, number]
         at = np.minimum(_lowest(motion, number, segment), place[number])
-        passes.lowest[number] = np.minimum(passes.lowest[number], motion(number)(at)[0])
+        passes.lowest[number] = np.minimum(passes.lowest[number], motion(at, number)[0])

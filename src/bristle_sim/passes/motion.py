@@ -50,13 +50,9 @@ has just left the bar may touch it again at once."""
 
 ONE_THREAD = 1024  # most columns of a matrix product; beyond, threads would wait for each other
 
-Function = Callable[[Array], tuple[Array, Array | None]]
-"""Function that returns its values at given arguments, and its derivatives there, or None if it has
-no derivatives."""
-
-Motion = Callable[[Chosen], Callable[[Array], Any]]
-"""Function that takes the indices of some passes, and returns a function of the hub's rotation (rad).
-The latter returns the relative angles, or the gaps, of these passes, and then their derivatives."""
+Function = Callable[[Array, Chosen], Any]
+"""Function of the hub's rotation (rad) and the indices of some passes. It returns values of these
+passes, such as angles or gaps, and then their derivatives, or None if the latter are unknown."""
 
 Vector = NDArray[np.complex128]  # array of vectors in the plane, as complex numbers
 
@@ -81,15 +77,13 @@ class Course(NamedTuple):
 
     series: Array
 
-    def motion(self, chosen: Chosen) -> Callable[[Array], Array]:
-        """Return the function ``at`` of the chosen passes."""
-        return Course(self.series.take(chosen, axis=-1)).at
-
-    def at(self, turn: Array) -> Array:
-        """Return the relative angles (rad) and their derivatives, shape (2, passes), after the hub
-        has rotated by ``turn``, rad.
+    def at(self, turn: Array, chosen: Chosen) -> Array:
+        """Return the relative angles (rad) and their derivatives, shape (2, chosen passes), after
+        the hub has rotated by ``turn``, rad.
         """
-        found: Array = np.einsum("skn,kn->sn", self.series, turn**DEGREES)
+        every = len(chosen) == self.series.shape[-1]
+        series = self.series if every else self.series.take(chosen, axis=-1)
+        found: Array = np.einsum("skn,kn->sn", series, turn**DEGREES)
         return found
 
     def sampled(self, step: Array) -> Array:
@@ -153,9 +147,9 @@ def step_length(passes: Passes, course: Course, tolerance: float) -> Array:
     The last two terms of the series of the relative rate must not exceed ``tolerance`` times
     ``passes.rate_scale``.
     """
-    longest = np.full(passes.size, LONGEST_STEP)
-    for k in (ORDER - 2, ORDER - 1):
-        size = np.abs(course.series[1, k]) / (tolerance * passes.rate_scale)
-        with np.errstate(divide="ignore"):
-            np.minimum(longest, SAFETY * size ** (-1.0 / k), out=longest)
+    last = slice(ORDER - 2, ORDER)
+    size = np.abs(course.series[1, last]) / (tolerance * passes.rate_scale)
+    with np.errstate(divide="ignore"):
+        steps = SAFETY * size ** (-1.0 / DEGREES[last])
+    longest: Array = steps.min(axis=0, initial=LONGEST_STEP)
     return longest

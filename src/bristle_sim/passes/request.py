@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from bristle_sim.parameters import FIELDS, KEYS, Tool
 from bristle_sim.parameters.parts import mass_of_volume
 from bristle_sim.parameters.tool import CLEAR_OF_BAR, START, checked_tool
 from bristle_sim.passes.bar import closest, half_window, meeting_angle
-from bristle_sim.passes.state import FLIES, ROWS, Chosen, Passes
+from bristle_sim.passes.state import ROWS, Chosen, Passes
 from bristle_sim.units import likely_key
 
 MOST_RADIANS = (
@@ -51,18 +50,21 @@ class Request:
         return math.prod(self.shape)
 
     def at(self, numbers: Chosen) -> Values:
-        """Return the values of all keys for the passes with the given indices."""
-        values = {key: np.full(len(numbers), value) for key, value in key_values(self.tool).items()}
+        """Return the values of all keys for the passes with the given indices.
+
+        The keys of an absent part have the value 0.
+        """
+        own = dict.fromkeys(KEYS, 0.0) | key_values(self.tool)
+        values = {key: np.full(len(numbers), value) for key, value in own.items()}
         places = np.unravel_index(numbers, self.shape or (1,))
         for key, array in self.given.items():
             values[key] = np.broadcast_to(array, self.shape or (1,))[places]
         with np.errstate(over="ignore", invalid="ignore"):  # refused tools have arbitrary numbers
-            own = mass_of_volume(
+            mass = mass_of_volume(
                 values["bristle_length"], values["wire_diameter"], values["wire_density"]
             )
-        values["bristle_mass"] = np.where(
-            np.isnan(values["bristle_mass"]), own, values["bristle_mass"]
-        )
+        given = values["bristle_mass"]
+        values["bristle_mass"] = np.where(np.isnan(given), mass, given)
         return values
 
 
@@ -101,25 +103,21 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
 
 
 def _array(declared: Range, value: Any) -> Array:
-    """Return the values of a key as numbers in its unit; the value None becomes NaN."""
+    """Return the values of a key as numbers in its unit; the value None becomes NaN.
+
+    An array of numbers is not checked here: it may hold values out of range.
+    """
     if hasattr(value, "dimensionality"):  # a quantity of pint, which would lose its unit
         raise declared.refusal(value)
     try:
         array = np.asarray(value)
     except ValueError:  # rows of different lengths
         raise declared.refusal(value) from None
-    if array.dtype.kind in "iuf":
-        # a number of a longer type may overflow; it is then out of range
-        with np.errstate(over="ignore"):
-            return array.astype(float)
-    if array.dtype.kind not in "UTO" or any(isinstance(each, bool) for each in array.flat):
-        raise declared.refusal(value)
-    parsed = functools.cache(declared.parse)
-    numbers = np.full(array.size, math.nan)
-    for place, each in enumerate(array.flat):
-        if each is not None or not declared.optional:
-            numbers[place] = parsed(each) if isinstance(each, str) else declared.check(each)
-    return numbers.reshape(array.shape)
+    if array.dtype.kind not in "iuf":
+        numbers = [declared.read(each) for each in array.flat]
+        return np.array(numbers, dtype=float).reshape(array.shape)
+    with np.errstate(over="ignore"):  # a number of a longer type may overflow
+        return array.astype(float)
 
 
 def key_values(tool: Tool) -> dict[str, float]:
@@ -139,10 +137,6 @@ def key_values(tool: Tool) -> dict[str, float]:
     return found
 
 
-Refusal = tuple[Chosen, str, str]
-"""A mask of refused passes, the key whose value is refused, and what this value must be."""
-
-
 def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
     """Return the passes that can be computed, and the reason why each other pass is refused.
 
@@ -156,48 +150,38 @@ def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.obj
         reasons[:] = f"contact = {law}: must be energetic"
     with np.errstate(all="ignore"):  # numbers of refused tools
         passes = _built(request, values, numbers)
-        for refuses in (_out_of_range(request, values), _impossible(request.tool, passes)):
-            for where, key, rule in refuses:
-                for number in np.flatnonzero(where & (reasons == "")):
-                    reasons[number] = f"{key} = {values[key][number]:g}: {rule}"
+        for where, key, rule in _refusals(request, values, passes):
+            for number in np.flatnonzero(where & (reasons == "")):
+                reasons[number] = f"{key} = {values[key][number]:g}: {rule}"
     return passes.take(np.flatnonzero(reasons == "")), reasons
 
 
-def _out_of_range(request: Request, values: Values) -> Iterator[Refusal]:
-    """Yield the refusals of values outside the range of their key, or outside the scope of this
-    method.
+def _refusals(
+    request: Request, values: Values, passes: Passes
+) -> Iterator[tuple[Chosen, str, str]]:
+    """Yield masks of refused passes, each with the key whose value is refused, and what this value
+    must be.
+
+    Values are refused outside the range of their key or the scope of this method, and where
+    dimensions contradict each other, the bristle overlaps an obstacle at the start, or the motion
+    needs too many steps.
     """
     for key, declared in KEYS.items():
         if key in request.given and isinstance(declared, Range):
-            found = values[key]
-            above = found > declared.lowest
-            above |= declared.lowest_allowed & (found == declared.lowest)
-            good = above & (found <= declared.highest) | (declared.optional & np.isnan(found))
+            good = declared.holds(values[key]) | (declared.optional & np.isnan(values[key]))
             yield ~good, key, str(declared.refusal(0.0)).partition(": ")[2]
     yield values["wire_links"] != 1.0, "wire_links", "must be 1, a rigid bristle"
     yield values["knee_angle_deg"] != 0.0, "knee_angle_deg", "must be 0, a straight one"
     given = ~np.isnan(values["contact_duration"])
     yield given, "contact_duration", "must be left out with contact = energetic (in s)"
     yield values["hub_speed"] == 0.0, "hub_speed", "must be greater than 0 (in rad/s)"
-
-
-def _impossible(tool: Tool, passes: Passes) -> Iterator[Refusal]:
-    """Yield the refusals of tools that cannot be simulated.
-
-    Their dimensions contradict each other, the bristle overlaps an obstacle at the start, or the
-    motion needs too many steps.
-    """
-    if tool.workpart:
-        low = ~(passes.depth > passes.radius)
-        yield (
-            low,
-            "penetration",
-            "must be less than the bristle's reach beyond the hub's rim (in m)",
-        )
+    if request.tool.workpart:
+        rule = "must be less than the bristle's reach beyond the hub's rim (in m)"
+        yield ~(passes.depth > passes.radius), "penetration", rule
         gap = passes.depth - (passes.radius + 1.0) * np.cos(passes.start)
         rule = "the workpart must be clear of the bristle at the start (in m)"
         yield gap < -OVERLAP_ROUNDING, "penetration", rule
-    if tool.bar:
+    if request.tool.bar:
         inside = ~(passes.bar_distance - passes.reach > passes.radius)
         yield inside, "bar_radius", "must leave the bar outside the root circle (in m)"
         gap = closest(passes, passes.start, passes.angle, passes.rate).gap
@@ -211,45 +195,28 @@ def _impossible(tool: Tool, passes: Passes) -> Iterator[Refusal]:
 def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
     """Return the dimensionless passes with the given indices, each at its start."""
     tool = request.tool
-    size = len(numbers)
     length = values["bristle_length"]
     speed = values["hub_speed"]
-    inertia = values["bristle_mass"] * length**2 / 3.0
+    stiffness = values["belt_stiffness"] / (values["bristle_mass"] * (length * speed) ** 2 / 3.0)
     radius = values["hub_radius"] / length
-    stiffness = values["belt_stiffness"] / (inertia * speed**2)
-    nothing = np.zeros(size)
-    bar = {
-        key: values.get(f"bar_{key}", nothing)
-        for key in ("horizontal", "vertical", "radius", "friction", "restitution")
-    }
-    bar_x = -bar["horizontal"] / length
-    bar_y = -bar["vertical"] / length
-    distance = np.hypot(bar_x, bar_y)
-    bar_angle = np.arctan2(bar_x, -bar_y)
+    distance = np.hypot(values["bar_horizontal"], values["bar_vertical"]) / length
+    bar_angle = np.arctan2(-values["bar_horizontal"], values["bar_vertical"])
     wire_radius = 0.5 * values["wire_diameter"] / length
-    reach = bar["radius"] / length + wire_radius
-    depth = (
-        radius + 1.0 - values["penetration"] / length if tool.workpart else np.full(size, np.inf)
-    )
-    start = np.full(size, START)
-    window = np.full(size, -1.0)
-    flank = nothing
+    reach = values["bar_radius"] / length + wire_radius
+    depth = radius + 1.0 - values["penetration"] / length
     met = -np.arccos(np.clip(depth / (radius + 1.0), -1.0, 1.0))
+    start = values["start_hub_angle_deg"]
+    start = np.where(np.isnan(start), START, np.radians(start))
     if tool.bar:
-        window = half_window(radius, distance, (1.0 + reach) ** 2)
-        flank = np.maximum(half_window(radius, distance, 1.0 + reach**2), 0.0)
         bar_met = bar_angle + meeting_angle(radius, distance, reach)
-        start = np.where(bar_met < START, bar_met - CLEAR_OF_BAR, start)
+        early = np.isnan(values["start_hub_angle_deg"]) & (bar_met < START)
+        start = np.where(early, bar_met - CLEAR_OF_BAR, start)
         met = np.minimum(met, bar_met)
-    own = np.radians(values["start_hub_angle_deg"])
-    start = np.where(np.isnan(own), start, own)
     gravity = 1.5 * values["gravity"] / (length * speed**2)
     # without weight a wire stays radial until it meets bar or workpart; its flight begins just before
     resting = (gravity == 0.0) & (met - CLEAR_OF_BAR > start) & (start > met - np.pi)
-    undone = np.full(size, np.nan)
     rows = {
         "number": numbers,
-        "code": np.full(size, FLIES),
         "radius": radius,
         "stiffness": stiffness,
         "damping": 2.0 * values["belt_damping_ratio"] * np.sqrt(stiffness),
@@ -260,15 +227,18 @@ def _built(request: Request, values: Values, numbers: Chosen) -> Passes:
         "bar_angle": bar_angle,
         "reach": reach,
         "wire_radius": wire_radius,
-        "bar_friction": bar["friction"],
-        "bar_restitution": bar["restitution"],
-        "flank": flank,
-        "window": window,
-        "depth": depth,
+        "bar_friction": values["bar_friction"],
+        "bar_restitution": values["bar_restitution"],
+        "flank": np.maximum(half_window(radius, distance, 1.0 + reach**2), 0.0),
+        "window": half_window(radius, distance, (1.0 + reach) ** 2) if tool.bar else -1.0,
+        "depth": depth if tool.workpart else np.inf,
         "start": start,
         "end": start + request.hub_turn,
         "hub_angle": np.where(resting, met - CLEAR_OF_BAR, start),
-        "release": undone,
-        "release_angle": undone,
+        "release": np.nan,
+        "release_angle": np.nan,
     }
-    return Passes(np.array([rows.get(name, nothing) for name in ROWS]))
+    passes = Passes(np.zeros((len(ROWS), len(numbers))))
+    for name, row in rows.items():
+        getattr(passes, name)[:] = row
+    return passes

@@ -17,10 +17,11 @@ from bristle_sim.arrays import Array
 Chosen = NDArray[Any]
 """Indices of passes, a Boolean mask of passes, or an integer code for each pass."""
 
-FLIES, BAR, WORKPART, FOLDS, MISSED, LOCKED, TOO_MANY = range(7)
+FLIES, BAR, LIES, WORKPART, FOLDS, MISSED, LOCKED, TOO_MANY = range(8)
 """Codes of a pass's state.
 
-In the first two states the wire is in flight or touches the bar. In the others the pass has ended:
+In the first three states the wire is in flight, touches the bar, or lies on it. In the others the
+pass has ended:
 the tip touches the workpart, the wire has folded by more than 90 degrees, the hub has rotated to the
 end of the pass, friction locks the wire on the bar, or the touches of the bar are endless. ``BAR``
 and ``WORKPART`` are also the codes of these obstacles."""
@@ -59,6 +60,8 @@ class Passes:
         hub_angle, angle, rate: present hub angle psi, relative angle alpha and angular velocity
             d(alpha)/d(psi).
         touches: number of touches of the bar so far.
+        side: 1 for a wire that touches the bar from behind, so that the bar holds it back, and -1
+            for a wire ahead of the bar.
         release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
             NaN before the first contact.
         lowest: smallest relative angle so far, rad.
@@ -89,6 +92,7 @@ class Passes:
     angle: Array
     rate: Array
     touches: Array
+    side: Array
     release: Array
     release_angle: Array
     lowest: Array
