@@ -23,7 +23,7 @@ amplitude of the fast mode.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from operator import attrgetter
 
 from bristle_sim.theory.impact_phases import INFINITE, KNIFE_EDGE
@@ -218,10 +218,11 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
     first, second, axis = modes_of(contact)
     steep = contact.steep
     eta = contact.eta
-    before = replace(contact)
+    normal, tangential = contact.normal, contact.tangential
+    push, rub = contact.push, contact.rub
     # Vectors have the fast mode as real and the slow mode as imaginary part.
-    speeds = axis.conjugate() * complex(steep * contact.normal, contact.tangential / eta)
-    forces = axis.conjugate() * complex(contact.push / steep, contact.rub * eta)
+    speeds = axis.conjugate() * complex(steep * normal, tangential / eta)
+    forces = axis.conjugate() * complex(push / steep, rub * eta)
     fast = Oscillator(first, forces.real, -speeds.real)
     slow = Oscillator(second, forces.imag, -speeds.imag)
     # One degree of freedom drifts across its line; a drift of the size of rounding is none.
@@ -231,12 +232,10 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
         time = 0.0
         event = Event.NEVER if pressed else Event.SETTLED
     else:
-        time, event = _first_event(contact, (fast, slow), axis, still)
+        balance = INFINITE
         if balances and contact.stick == 0.0 and contact.loading:
             balance = math.atan2(speeds.real, -fast.rate * forces.real) % math.pi / fast.rate
-            if balance <= time:
-                time = balance
-                event = Event.BALANCED
+        time, event = _first_event(contact, (fast, slow), axis, still, balance)
     stops = event in (Event.NEVER, Event.SETTLED)
     if stops:  # stopping the fast mode takes an impulse
         impulses = axis * (-speeds.real / first)
@@ -247,7 +246,7 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
         impulses = axis * complex(fast.integral(time), slow.integral(time))
         speeds = complex(-rise, -growth)
         forces = complex(one, other)
-    normal = impulses.real * steep
+    impulse = impulses.real * steep
     along = impulses.imag / eta
     if stops or time > 0.0:  # no rounding where nothing happens
         speeds *= axis
@@ -257,24 +256,31 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
         contact.push = forces.real * steep
         contact.rub = forces.imag / eta
     if stops:
-        work = 0.5 * normal * (before.normal + contact.normal)
-        work_along = 0.5 * along * (before.tangential + contact.tangential)
+        work = 0.5 * impulse * (normal + contact.normal)
+        work_along = 0.5 * along * (tangential + contact.tangential)
     else:
-        work = 0.5 * (before.push - contact.push) * (before.push + contact.push) / steep**2
-        work_along = 0.5 * (before.rub - contact.rub) * (before.rub + contact.rub) * eta * eta
+        work = 0.5 * (push - contact.push) * (push + contact.push) / steep**2
+        work_along = 0.5 * (rub - contact.rub) * (rub + contact.rub) * eta * eta
         ends = contact.push <= NOISE * contact.peak and contact.normal > 0.0
         if ends and not contact.loading:
             event = Event.APART
-    return event, (normal, along, work, work_along)
+    return event, (impulse, along, work, work_along)
 
 
 def _first_event(
-    contact: Contact, modes: tuple[Oscillator, Oscillator], axis: complex, still: bool
+    contact: Contact,
+    modes: tuple[Oscillator, Oscillator],
+    axis: complex,
+    still: bool,
+    balance: float,
 ) -> tuple[float, Event]:
     """Return the time of the first event in stick, and the event.
 
     Where the force reaches an edge of the friction cone, the sense of slip is set in the contact.
+    ``balance`` is the time at which the phase ends at the latest, or infinite.
     """
+    if balance == 0.0:
+        return 0.0, Event.BALANCED
     axis = axis.conjugate()
     sizes = abs(axis.real), abs(axis.imag)
     if contact.loading:
@@ -293,8 +299,8 @@ def _first_event(
         functions.append(EventFunction(modes, weights, sizes, still, slip=side))
     while True:
         first = min(functions, key=attrgetter("time"))
-        if first.time == INFINITE:
-            return INFINITE, Event.NEVER
+        if first.time >= balance:
+            return balance, Event.NEVER if balance == INFINITE else Event.BALANCED
         if first.advance():
             contact.slip = first.slip
             return first.time, Event.SLIP if first.slip else Event.LINE
