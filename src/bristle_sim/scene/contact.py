@@ -202,11 +202,13 @@ class RigidContacts:
 
         Where two straight segments of a link touch at a corner, also select the segment in contact.
         """
-        # At a corner two segments touch. The motion in the time MOMENT selects one.
-        later = _a_moment_later(state)
-        poses = self.scene.mechanism.poses(later)
+        mechanism = self.scene.mechanism
         for contact in self.closed:
-            contact.piece = contact.pair.closest(poses, later.rates).piece
+            pair = contact.pair
+            if pair.partner is not None or len(mechanism.links[pair.link].corners) > 2:
+                # At a corner two segments touch. The motion in the time MOMENT selects one.
+                later = _a_moment_later(state)
+                contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
         self.scene.keep_closed(self.closed)
 
     def begin(self, step: float, *, symmetric: bool = False) -> None:

@@ -178,15 +178,16 @@ class Trajectory(Motion):
         is the corner of the centre line nearest to the workpart's surface. At the bar it is the
         point of the centre line nearest to the bar's centre.
         """
-        lines = self.centre_line @ (1.0, 1j)
+        samples = [abs(self.time - contact.time).argmin() for contact in self.contacts]
+        lines = self.centre_line[np.array(samples, dtype=int)] @ (1.0, 1j)
+        nearest = lines[:, 0] if tool.bar is None else tool.bar.nearest(lines)
         contacts = []
-        for contact in self.contacts:
-            corners = lines[abs(self.time - contact.time).argmin()]
+        for contact, corners, at_bar in zip(self.contacts, lines, nearest, strict=True):
             if contact.obstacle == "workpart":
                 heights = abs(corners[1:].imag + tool.workpart_depth)
                 place = complex(corners[1 + heights.argmin()])
             elif tool.bar is not None and contact.obstacle == "bar":
-                place = complex(tool.bar.nearest(corners))
+                place = complex(at_bar)
             else:
                 contacts.append(contact)
                 continue
