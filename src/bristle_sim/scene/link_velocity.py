@@ -114,13 +114,14 @@ class LinkVelocity:
         rate = (self._inertia * _rate(body) + damping * speed) / inertia
         along = 1j * normal.conjugate()
         levers = (point - joint) * along  # the normal's lever, and minus the tangent's
-        carried = speed * joint * along  # velocity of the joint, in the same components
+        across = speed * joint  # velocity of the joint, turned by -90 degrees
+        carried = across * along  # its components along the normal and, negative, the tangent
         lever = levers.real
         turning = (lever - ratio * levers.imag) / inertia
         yields = lever * turning
         push = -(carried.real + rate * lever) / yields if yields else 0.0
         rate += turning * push
-        velocity = 1j * (speed * joint + rate * turn * self._centre)
+        velocity = 1j * (across + rate * turn * self._centre)
         _set_rate(body, rate)
         _set_velocity(body, (velocity.real, velocity.imag))
         self.impulses.append([(push, ratio * push, -carried.imag - rate * levers.imag)])
