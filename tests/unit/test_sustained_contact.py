@@ -8,9 +8,9 @@ import pytest
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact import RigidContacts, sums_of
+from bristle_sim.scene.contact import ActiveContact, RigidContacts, Sums, sums_of
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.pairs import ClosedPair, WorkpartPair
+from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, WirePair, WorkpartPair
 from bristle_sim.scene.simulate import simulate
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
@@ -128,3 +128,73 @@ def test_the_force_of_the_bar_jumps_where_its_slip_reverses(friction: float) -> 
     ratio = (place - friction * radius) / (place + friction * radius)
     forces = run.normal_force[jump : jump + 2]
     assert forces[1] / forces[0] == pytest.approx(ratio, rel=1e-4)
+
+
+def test_a_contact_adds_impulse_and_work_and_keeps_its_last_force() -> None:
+    """Its record has the slip before and after; a sustained contact has no normal velocity."""
+    start = State(0.0, (0.7,), (0.5,))
+    last = State(0.1, (0.75,), (0.3,))
+    pair = WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.5)
+    contact = ActiveContact(pair, start=start)
+    contact.add(Sums(5.0, -1.0, 0.5, -0.1, 0.0, -0.2))
+    contact.add(Sums(4.0, 2.0, 0.3, 0.1, 0.0, -0.1))
+    assert (contact.force, contact.tangential) == (4.0, 2.0)
+
+    def closest(of: WorkpartPair, state: State) -> ClosestApproach:
+        return of.closest(ROD.poses(state), state.rates)
+
+    record = contact.record(closest, last, "release")
+    assert record is not None
+    assert record.impulse == pytest.approx((0.8, 0.0))
+    assert record.compressive_work == pytest.approx((0.0, -0.3))
+    assert record.velocity_before == (0.0, pytest.approx(0.5 * math.cos(0.7)))
+    assert record.velocity_after == (0.0, pytest.approx(0.3 * math.cos(0.75)))
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_the_release_is_expected_at_the_zero_of_a_parabola(known: bool) -> None:
+    """N = 3 - t - t^2 falls to 1 at t = 1, with the impulse 13/6. Without the first force, N is a line with this impulse."""
+    contact = ActiveContact(WorkpartPair(1.0, 0.4, 0.4, 0.5), force=3.0 if known else None)
+    first, bend, left = contact.expect_release(Sums(1.0, 0.0, 13.0 / 6.0), 1.0)
+    if known:
+        assert (first, bend) == pytest.approx((3.0, -1.0))
+        assert left == pytest.approx(0.5 * (math.sqrt(13.0) - 1.0) - 1.0)
+    else:
+        assert (first, bend) == pytest.approx((10.0 / 3.0, 0.0))
+        assert left == pytest.approx(3.0 / 7.0)
+
+
+def test_contacts_fail_if_one_of_them_would_have_to_pull() -> None:
+    contacts = [ClosedPair(WorkpartPair(1.0, 0.4, 0.4, 0.5)) for _ in range(2)]
+    rigid = RigidContacts(Scene(ROD, Effects()), contacts)
+    assert not rigid.fails([*Sums(1.0), *Sums(2.0)])
+    assert rigid.fails([*Sums(1.0), *Sums(-2.0)])
+    assert rigid.fails([*Sums(-1.0), *Sums(2.0)])
+
+
+def test_a_tip_of_several_links_without_slip_sticks() -> None:
+    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)))
+    state = State(0.0, (0.7, 0.2), (0.0, 0.0))
+    pair = WorkpartPair(math.cos(0.7) + math.cos(0.2), 0.4, 0.4, 0.0, link=1)
+    contact, rigid = closed(mechanism, pair, state)
+    rigid.set_slip(state, contact, 1e-6)
+    assert contact.slip == 0
+
+
+def test_the_compliance_of_two_wires_is_that_over_both_free_rods() -> None:
+    """The tip of a rod of mass 1 touches its like across: K = (lever^2 + lever'^2)/(1/3), and both would move if free."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)), 1.0, 0.0, 0.0, 2, 0.5)
+    state = State(0.0, (-0.6, 0.1), (0.0, 0.0))
+    pair = WirePair(0, 0, 1, 0, 0.01, 0.0, 0.0)
+    contact = ClosedPair(pair)
+    rigid = RigidContacts(Scene(mechanism, Effects(pairs=(pair,))), [contact])
+    touch = pair.closest(mechanism.poses(state), state.rates)
+    assert touch.partner_arm is not None
+    joined = free = 0.0
+    for arm, pose in zip((touch.arm, touch.partner_arm), mechanism.poses(state), strict=True):
+        lever, about_centre = (
+            (each * touch.normal.conjugate()).imag for each in (arm, arm - pose.to_centre)
+        )
+        joined += 3.0 * lever**2
+        free += 1.0 + 12.0 * about_centre**2
+    assert rigid.compliance_in_slip(state, 0) == pytest.approx(joined / free, rel=1e-6)
