@@ -14,6 +14,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bristle_sim.cli.options import Content, deliver
 from bristle_sim.cli.output import csv_text, json_of
 from bristle_sim.cli.scenario import Scenario, Values, build_parameters
@@ -82,21 +84,13 @@ def run_sweep(
         values = scenario.values_of(typed)
         fixed = {key: value for key, value in values.items() if key not in axes}
         contents["json"] = json_of(scenario.name, answer, fixed, columns=table_columns(found))
-    if len(axes) == 1:
-        table = _rows(found, chosen)
-    else:
-        pair = [*found.axes.values()]
-        shown = [found.quantities[name] for name in chosen]
-        rows = [[each.label, *extremes(each, pair)] for each in shown]
-        table = aligned([["quantity", "lowest", "highest"], *rows], range(3)) if rows else []
+    table = _rows(found, chosen) if len(axes) == 1 else _extremes(found, chosen)
     table += _wrapped("constant", constants_in_words(found))
     deliver(options, targets, contents, "\n".join([answer, "", *table]))
 
 
 def _axis(scenario: Scenario, text: str) -> Series:
     """Return the swept parameter of a text KEY=FROM:TO:N, with N equally spaced values."""
-    import numpy as np
-
     key, _, interval = text.partition("=")
     ends = interval.split(":")
     keys = scenario.keys()
@@ -177,16 +171,12 @@ def table_columns(found: Swept) -> dict[str, list[Any]]:
 
     The columns are the swept parameters, the quantities, the outcome, and the reason of a failure.
     """
-    import numpy as np
-
     grids = np.meshgrid(*(axis.values for axis in found.axes.values()), indexing="ij")
-    columns = {}
-    for (name, each), values in zip(
-        (found.axes | found.quantities).items(),
-        [*grids, *(each.values for each in found.quantities.values())],
-        strict=True,
-    ):
-        columns[name if each.unit == "1" else f"{name} ({each.unit})"] = values
+    places = dict(zip(found.axes, grids, strict=True))
+    columns = {
+        name if each.unit == "1" else f"{name} ({each.unit})": places.get(name, each.values)
+        for name, each in (found.axes | found.quantities).items()
+    }
     if found.outcome is not None:
         columns["outcome"] = found.outcome
     columns["failure"] = found.failure
@@ -198,8 +188,6 @@ def _rows(found: Swept, chosen: Sequence[str]) -> list[str]:
 
     The table shows at most MOST_ROWS of the points.
     """
-    import numpy as np
-
     (axis,) = found.axes.values()
     size = axis.values.size
     rows = np.linspace(0, size - 1, min(size, MOST_ROWS)).round().astype(int)
@@ -242,3 +230,11 @@ def _wrapped(title: str, parts: Sequence[str]) -> list[str]:
     """
     words = f"{title}: {', '.join(parts)}"
     return ["", *textwrap.wrap(words, WIDTH, subsequent_indent="  ")] if parts else []
+
+
+def _extremes(found: Swept, chosen: Sequence[str]) -> list[str]:
+    """Return the lines of a table of the lowest and highest value of each quantity, with their places."""
+    axes = [*found.axes.values()]
+    shown = [found.quantities[name] for name in chosen]
+    rows = [[each.label, *extremes(each, axes)] for each in shown]
+    return aligned([["quantity", "lowest", "highest"], *rows], range(3)) if rows else []

@@ -9,10 +9,9 @@ from collections.abc import Mapping, Sequence
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import KEYS
-from bristle_sim.readable import amount, plain_number, readable_unit
+from bristle_sim.readable import amount, readable_unit
 from bristle_sim.studies.design_search import Search
 from bristle_sim.studies.whole_pass import QUANTITIES
-from bristle_sim.units import display_unit
 
 # Decimals with which a quantity is printed in its customary unit; further ones are rounding error.
 DECIMALS = 4
@@ -34,7 +33,7 @@ def tool_in_words(search: Search, varied: Mapping[str, float], report: Report, m
     parts = {name: f"a {_quantity(name, reached[name])}" for name in names}
     if search.goal and met:
         parts[search.goal] = f"the {extreme} {_quantity(search.goal, reached[search.goal])}"
-    tool = listed([_key(key, value) for key, value in varied.items()])
+    tool = listed([f"{key} {KEYS[key].displayed(value)}" for key, value in varied.items()])
     return f"with {tool} the pass has {listed([*parts.values()])}, and the tip {report.outcome_in_words}"
 
 
@@ -58,7 +57,9 @@ def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:
     """Return a sentence with the interval of each parameter in which all wants stay met."""
-    ranges = listed([_key(key, *ends) for key, ends in kept.items()])
+    ranges = listed(
+        [f"{key} from {' to '.join(map(KEYS[key].displayed, ends))}" for key, ends in kept.items()]
+    )
     return f"The wants are kept, to 1 % or 1°, with {ranges}, one key at a time."
 
 
@@ -77,13 +78,3 @@ def _quantity(name: str, value: float | None, most: str = "") -> str:
         return f"{label} of none"
     size = readable_unit(unit, [value])[1]
     return f"{label} of {most}{amount((round(value / size, DECIMALS) + 0.0) * size, unit, 5)}"
-
-
-def _key(key: str, *values: float) -> str:
-    """Return a parameter with one value, or with the bounds of an interval, in its customary unit.
-
-    Examples are ``hub_speed 2500 rpm`` and ``hub_speed from 2451.2 to 2548.1 rpm``.
-    """
-    unit, size = display_unit(key, KEYS[key].unit)
-    texts = [plain_number(each / size, 5) for each in values]
-    return f"{key} {'from ' if len(texts) > 1 else ''}{' to '.join(texts)} {unit}".rstrip()
