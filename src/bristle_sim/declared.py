@@ -227,9 +227,7 @@ class Range(Declaration):
         raise self.refusal(typed or refused, f"; did you mean {bare} {unit}?" if fits else "")
 
     def holds(self, number: Any) -> Any:
-        """Return whether a number, or each number of an array, is in the range, and is whole if it
-        must be.
-        """
+        """Return whether each number of an array is in the range, and is whole if it must be."""
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
         whole = number % 1.0 == 0.0 if self.whole else True
         return above & (number <= self.highest) & (abs(number) < math.inf) & whole

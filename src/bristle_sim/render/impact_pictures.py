@@ -134,8 +134,7 @@ ROD_WIDTH = 16.0  # width of the enlarged end of the rod, not to scale, points o
 class ContactMotion:
     """Motion and forces during a contact, with free motion before and after it.
 
-    Values between two samples are interpolated linearly. Where a force jumps, two samples have the
-    same time.
+    Values between samples are interpolated linearly. At a jump two samples have the same time.
 
     Attributes:
         time: times of the samples from the first touch, s; negative before it.
