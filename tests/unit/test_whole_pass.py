@@ -193,6 +193,12 @@ TOOLS = {
     "contact resolved in time": Tool(contact=Contact("compliant")),
     "engine's contact": Tool(contact=Contact("engine")),
     "at rest": Tool(hub=Hub(speed=0.0)),
+    "bar in the knee, which meets the second segment while the first one touches": Tool(
+        hub=Hub(speed=237.7),
+        belt=Belt(damping_ratio=0.05),
+        bristle=Bristle(knee_angle_deg=9.7),
+        bar=Bar(horizontal=0.0365),
+    ),
 }
 
 

@@ -256,19 +256,16 @@ class Bar(Declared):
         """Position of the bar's centre, (x, y) from the hub's centre, m."""
         return (-self.horizontal, -self.vertical)
 
-    def nearest(self, lines: Any) -> Any:
-        """Return the point of each centre line that is nearest to the bar.
+    def closest(self, lines: Any) -> Any:
+        """Return the point of each straight segment that is closest to the bar.
 
-        ``lines`` holds the corners of the centre lines as complex numbers x + i y from the hub's
-        centre (m), shape (..., corners). The points have the shape (...).
+        ``lines`` holds the corners of centre lines as complex numbers x + i y from the hub's centre
+        (m), shape (..., corners). The points have the shape (..., corners - 1).
         """
-        centre = complex(*self.centre)
         start = lines[..., :-1]
         along = np.diff(lines)
-        fraction = np.clip((np.conj(along) * (centre - start)).real / abs(along) ** 2, 0.0, 1.0)
-        points = start + fraction * along
-        piece = abs(points - centre).argmin(axis=-1, keepdims=True)
-        return np.take_along_axis(points, piece, axis=-1)[..., 0]
+        towards = np.conj(along) * (complex(*self.centre) - start)
+        return start + np.clip(towards.real / abs(along) ** 2, 0.0, 1.0) * along
 
 
 @dataclass(frozen=True, slots=True)

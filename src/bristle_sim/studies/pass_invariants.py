@@ -184,7 +184,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
         corners = lines[:, 1:] if tool.bristle.links == 1 else lines[:, -1:]
         depths.append(-tool.workpart_depth - float(corners.imag.min()))
     if tool.bar is not None:
-        away = tool.bar.nearest(lines) - complex(*tool.bar.centre)
+        away = tool.bar.closest(lines) - complex(*tool.bar.centre)
         depths.append(tool.bar_reach - float(abs(away).min()))
     return max(depths) / tool.bristle.length
 

@@ -184,8 +184,11 @@ def _sustained(
     lines = at.centre_line @ X_Y
     part = tool.bar if contact.obstacle == "bar" else tool.workpart
     assert part is not None
-    corner = 1 if contact.point == "knee" else -1
-    place = part.nearest(lines) if isinstance(part, Bar) else lines[..., corner]
+    place = lines[..., 1 if contact.point == "knee" else -1]
+    if isinstance(part, Bar):
+        points = part.closest(lines)
+        piece = abs(points - complex(*part.centre)).argmin(axis=-1, keepdims=True)
+        place = np.take_along_axis(points, piece, axis=-1)[..., 0]
     normal, point = surface_point(tool, contact.obstacle, place)
     root = lines[..., 0]
     velocity = 1j * (tool.hub.speed * root + at.rates[..., -1] * (point - root))

@@ -118,19 +118,15 @@ class Trajectory(Motion):
     def accuracy_not_reached(self) -> str:
         """A warning if the error estimate exceeds the requested accuracy more than a hundredfold.
 
-        The text is empty otherwise. The warning states the remedy. If the estimate is valid for the
-        whole run, the warning begins with "accuracy not reached". The validity may end earlier: at
-        chatter, or at a touch slower than the error.
+        The text is empty otherwise. If the estimate is valid for the whole run, the warning begins
+        with "accuracy not reached". The validity may end earlier: at chatter, or at a touch slower
+        than the error.
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")
         if not estimate or not requested or estimate <= EXCESS_SAID * requested:
             return ""
-        ratio = (
-            f"{estimate / requested:.0f}"
-            if estimate < 1e6 * requested
-            else f"{estimate / requested:.0e}"
-        )
+        ratio = format(estimate / requested, ".0f" if estimate < 1e6 * requested else ".0e")
         start = "accuracy not reached: " if self.cost.holds_until is None else ""
         return (
             f"{start}error estimate {estimate:.1g}, {ratio} times the requested accuracy {requested:g};"
@@ -171,30 +167,43 @@ class Trajectory(Motion):
             ) from error
 
     def with_places(self, tool: Tool) -> Trajectory:
-        """Return a copy in which the records of contacts with bar and workpart have ``point`` and
-        ``place``.
+        """Return a copy in which the contacts with bar and workpart have ``point`` and ``place``.
 
-        These are the kind and the position of the point of the wire in contact. At the workpart it
-        is the corner of the centre line nearest to the workpart's surface. At the bar it is the
-        point of the centre line nearest to the bar's centre.
+        The place is a corner of the centre line at the workpart, or the point of a straight segment
+        that is closest to the bar. Of several points that touch, it is the one that has the normal
+        velocity of the record.
         """
-        samples = [abs(self.time - contact.time).argmin() for contact in self.contacts]
-        lines = self.centre_line[np.array(samples, dtype=int)] @ (1.0, 1j)
-        nearest = lines[:, 0] if tool.bar is None else tool.bar.nearest(lines)
+        lines = self.centre_line @ (1.0, 1j)
+        velocities = self.centre_line_velocity @ (1.0, 1j)
+        rounding = CORNER_ROUNDING * tool.bristle.length
         contacts = []
-        for contact, corners, at_bar in zip(self.contacts, lines, nearest, strict=True):
+        for contact in self.contacts:
+            sample = int(abs(self.time - contact.time).argmin())
+            if contact.law == "sustained":  # it begins after the impacts at this instant
+                sample = int(np.searchsorted(self.time, self.time[sample], side="right")) - 1
+            corners = lines[sample]
+            velocity = velocities[sample]
             if contact.obstacle == "workpart":
-                heights = abs(corners[1:].imag + tool.workpart_depth)
-                place = complex(corners[1 + heights.argmin()])
+                places = corners[1:]
+                speeds = velocity[1:].imag
+                gaps = abs(places.imag + tool.workpart_depth)
             elif tool.bar is not None and contact.obstacle == "bar":
-                place = complex(at_bar)
+                places = tool.bar.closest(corners)
+                along = ((places - corners[:-1]) / np.diff(corners)).real
+                away = places - complex(*tool.bar.centre)
+                gaps = abs(away)
+                moving = velocity[:-1] + along * np.diff(velocity)
+                speeds = (np.conj(away) * moving).real / gaps
             else:
                 contacts.append(contact)
                 continue
+            missed = abs(speeds - contact.velocity_before[0])
+            missed[gaps > gaps.min() + rounding] = math.inf
+            place = complex(places[missed.argmin()])
             distances = abs(corners - place)
             corner = int(distances.argmin())
             name = "flank"
-            if corner and distances[corner] <= CORNER_ROUNDING * tool.bristle.length:
+            if corner and distances[corner] <= rounding:
                 name = "tip" if corner == len(corners) - 1 else "knee"
             contacts.append(
                 dataclasses.replace(contact, point=name, place=(place.real, place.imag))
