@@ -290,8 +290,9 @@ def _place_events(system: System, instant: Instant, each: Sustained) -> list[Eve
         return float(at.feet[piece])
 
     def move(point: Point, state: State) -> State:
+        """Move the contact, and decide anew: the curvature of the path jumps, and the force with it."""
         each.point = point
-        return system.closed(state)
+        return decide(system, system.closed(state))
 
     # For each passage the piece, the distance of its passed end from its start, the direction along
     # the piece, and the location of the contact after the event.

@@ -103,6 +103,13 @@ class System:
         """
         return RATE_ROUNDING * self.fastest * max(1.0, float(np.abs(state.angles).max()))
 
+    def same_link(self, first: Point, second: Point) -> bool:
+        """Return whether two points belong to contacts of the same link with the same obstacle."""
+        if first.obstacle == "wire" or first.obstacle != second.obstacle:
+            return first == second
+        links = self.chain.pieces.links
+        return bool(links[first.piece] == links[second.piece])
+
     def closed(self, state: State) -> State:
         """Return the nearest state with zero gap and zero normal velocity at all rigid contacts."""
         if not (points := self.rigid):

@@ -95,11 +95,14 @@ def resolve_impacts(
         return Motion(contacts)
     after = Motion(contacts, motion.separating)
     if not single_link:
-        return _after_all_touches(system, after, pair)
-    springs = _springs_after_impact(system, after)
-    if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow:
-        return Motion((*springs, ActiveContact(pair)))
-    return Motion(springs, (pair,))
+        after = _after_all_touches(system, after, pair)
+    else:
+        springs = _springs_after_impact(system, after)
+        rests = record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow
+        after = Motion((*springs, ActiveContact(pair))) if rests else Motion(springs, (pair,))
+    if known and all(contact.pair is not pair for contact in after.contacts):
+        system.event(f"{pair.name} release", system.wires_of(pair))
+    return after
 
 
 def _least_opening_rate(system: System, pair: ContactPair) -> float:
