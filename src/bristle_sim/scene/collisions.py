@@ -78,17 +78,15 @@ def resolve_impacts(
     """
     single_link = system.mechanism.single_link
     contacts = motion.contacts
-    known = [contact for contact in contacts if contact.pair is pair]
-    if known:
-        # The contact passes to another straight segment of the same link.
-        contacts = end_contacts(system, contacts, known, pair.name)
-    elif single_link:
-        ending = motion.ordered
-        contacts = end_contacts(system, contacts, ending, Outcome.RELEASE, released=True)
-    left = _least_opening_rate(system, pair) if single_link else math.inf
+    # The contact passes to another straight segment of the same link, or the link leaves the others.
+    ending = [contact for contact in contacts if contact.pair is pair]
+    if single_link and not ending:
+        ending = list(motion.ordered)
+    contacts = end_contacts(system, contacts, ending, pair.name)
+    opening = _least_opening_rate(system, pair) if single_link else math.inf
     system.scene.keep_closed(())
-    record = _resolve(system, pair, rests=rests or left <= LEAST_SLIP)
-    jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
+    record = _resolve(system, pair, rests=rests or opening <= LEAST_SLIP)
+    jams = record.outcome == Outcome.JAM or opening < -LEAST_SLIP
     system.event(name, system.wires_of(pair), lasts=jams)
     if jams:
         jam(system, pair)
@@ -100,8 +98,9 @@ def resolve_impacts(
         springs = _springs_after_impact(system, after)
         rests = record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow
         after = Motion((*springs, ActiveContact(pair))) if rests else Motion(springs, (pair,))
-    if known and all(contact.pair is not pair for contact in after.contacts):
-        system.event(f"{pair.name} release", system.wires_of(pair))
+    staying = [contact.pair for contact in after.contacts]
+    for left in (contact.pair for contact in ending if contact.pair not in staying):
+        system.event(f"{left.name} release", system.wires_of(left))
     return after
 
 
