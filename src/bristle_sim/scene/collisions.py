@@ -230,7 +230,6 @@ def propagate_error(
     snap = abs(slip - record.velocity_before[1])
     jams = pair.friction * abs(slip) >= abs(approach)
     undecided = snap > (0.0 if jams else error)
-    stays = record.velocity_after[0] <= system.slow
 
     def neighbour(off: float, late: float) -> ClosestApproach:
         """Return the closest approach of a neighbouring motion at a time after the touch.
@@ -247,9 +246,12 @@ def propagate_error(
     for off in (error, -error):
         early = neighbour(off, 0.0)
         late = -early.gap / (early.velocity[0] or math.inf)
-        # If the contact stays closed, its force cancels what the acceleration adds to the approach
-        # speed of a later touch.
-        other = early if stays else neighbour(off, late)
+        other = neighbour(off, late)
+        pressed = (other.velocity[0] - early.velocity[0]) * late <= 0.0
+        if pressed and record.velocity_after[0] <= system.slow:
+            # The contact stays closed, and its force cancels what the acceleration adds to the
+            # approach speed of a later touch.
+            other = early
         # A jump is proportional to the approach speed. That of a single link is also proportional
         # to 1/lever.
         expected = approach
