@@ -11,7 +11,7 @@ from bristle_sim.parameters import Bristle, Surface, Tool
 from bristle_sim.scene import engine_law
 from bristle_sim.scene.engine_law import EngineLaw
 from bristle_sim.scene.impacts import contact_at
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.strike import Chain, build_strike
 from bristle_sim.scene.tool import build_tool
@@ -116,3 +116,15 @@ def test_a_contact_point_is_that_of_bodies_and_joints(angle: float, links: int) 
     in_stick = response @ (1.0, -following) if exact.stick_compliance else np.zeros(links)
     assert np.transpose(found.response) == pytest.approx(response, rel=1e-11, abs=1e-12)
     assert np.array(found.in_stick) == pytest.approx(in_stick, rel=1e-11, abs=1e-12)
+
+
+def test_a_straight_chain_that_lies_on_the_surface_moves_its_tip_along_the_normal_alone() -> None:
+    """So every impulse acts as in stick: K_nn = 24/7 of two rods of mass and length 1, by Lagrange's equations.
+
+    The masses are (4/3, 1/2; 1/2, 1/3), both levers of the normal 1. Those of the tangent are rounding of a cosine.
+    """
+    mechanism = Mechanism((Link.rod(1.0, 1.0),) * 2)
+    state = State(0.0, (math.pi / 2.0,) * 2, (-1.0,) * 2)
+    point = contact_at(mechanism, state, WorkpartPair(0.0, 0.3, 0.3, 0.5))
+    assert point.inverse_mass == ((pytest.approx(24.0 / 7.0), 0.0), (0.0, 0.0))
+    assert point.stick_compliance == pytest.approx(24.0 / 7.0)
