@@ -182,7 +182,7 @@ class Range(Declaration):
         declared unit. A value that is not a text is checked without conversion.
 
         Raises:
-            ValueError: if the text is no decimal number, or its dimension or value is not allowed.
+            ValueError: if the text is no decimal number, or its dimension or value is not permitted.
         """
         if not isinstance(text, str):
             return self.check(text)

@@ -121,7 +121,7 @@ def read_force_csv(
     columns.remove(time.column)
     force = _chosen(path, "force", force_column, columns, forces, volts)
     if len(rows) < FEWEST_POINTS:
-        raise ValueError(f"{path}: {len(rows)} points; there must be at least {FEWEST_POINTS}")
+        raise ValueError(f"{path}: must have at least {FEWEST_POINTS} points, not {len(rows)}")
     chosen = (time.column, force.column)
     values = np.array([[_value(path, *row, decimal, each) for each in chosen] for row in rows]).T
     for i in np.flatnonzero(np.diff(values[0]) <= 0.0)[:1] + 1:

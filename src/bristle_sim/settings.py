@@ -85,7 +85,7 @@ class StopReason(StrEnum):
         return member
 
     END = "end of the planned time", "a larger hub_turn makes the run longer"
-    EVENT = "requested event", "without stop_after the run goes on"
+    EVENT = "requested event", "without stop_after the run continues"
     JAM = "jam", "less {friction}, or another place of the bar, leaves the wire free"
     RETRACTION_LIMIT = (
         "retraction limit",

@@ -88,13 +88,8 @@ def test_the_verdict_counts_what_agrees_and_names_what_does_not():
         Quantity("a_b", "1", 1.0, 1.0, tolerance=1e-3),
         Quantity("c_d", "1", 2.0, 1.0, tolerance=0.1),
     )
-    assert (
-        verdict(Report(None, rows))
-        == "1 of 2 comparisons that have a tolerance are within it; not: c d."
-    )
-    assert (
-        verdict(Report(None, rows[:1])) == "1 of 1 comparisons that have a tolerance are within it."
-    )
+    assert verdict(Report(None, rows)) == "Within their tolerance: 1 of 2 comparisons; not: c d."
+    assert verdict(Report(None, rows[:1])) == "Within their tolerance: 1 of 1 comparisons."
 
 
 @pytest.mark.parametrize(

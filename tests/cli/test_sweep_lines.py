@@ -29,7 +29,7 @@ def test_a_sweep_over_one_key_is_the_single_passes(
     swept = ("--sweep", "bar_horizontal=50mm:60mm:3", "--set", "accuracy=1e-5", *store)
     assert called(*swept, *files, f"--plot={tmp_path / 'lines.svg'}") == 0
     shown = capsys.readouterr().out.splitlines()
-    assert "2 points lack results" in shown[0]
+    assert "no results at 2 of 3 points" in shown[0]
     assert ("the time-domain simulation agrees" in shown[0]) is not by_scene
     assert "the tip reverses its slip" in shown[0]
     assert all(len(line) <= 100 for line in shown[1:])
@@ -98,7 +98,9 @@ def test_without_any_result_the_reason_is_the_answer(capsys: pytest.CaptureFixtu
     """A quantity that is requested has no name to be checked against then."""
     swept = ("--sweep", "penetration=30mm:40mm:2", "--set", "reference=yes")
     assert called(*swept, "--quantity", "tip_speed_at_contact") == 0
-    assert "1 points lack results: penetration = 0.03: must be less" in capsys.readouterr().out
+    assert (
+        "no results at 1 of 2 points: penetration = 0.03: must be less" in capsys.readouterr().out
+    )
 
 
 def test_a_refused_point_and_a_change_below_the_printed_digits_have_their_words(

@@ -51,7 +51,7 @@ def test_the_answer_is_that_of_the_slides() -> None:
     )
     slides = report.subject.slides
     reverse, straight, forward = (slides[shape] for shape in ("reverse", "straight", "forward"))
-    assert f"{forward / (0.5 * (reverse + straight)):.0%} as far" in report.remarks[-1]
+    assert f"{100.0 * forward / (0.5 * (reverse + straight)):.0f} % as far" in report.remarks[-1]
     first = f"The reverse bent tip slides {1e3 * reverse:.2f} mm, the straight tip slides {1e3 * straight:.2f} mm"
     assert report.answer.startswith(first)
     away = dataclasses.replace(TOOL, workpart=Workpart(penetration=-0.001))

@@ -135,4 +135,4 @@ def test_a_point_off_its_curve_is_seen():
         Quantity(name, "1", off, 0.0, tolerance=0.001)
         for name, off in (("line", 0.01), ("arc", 0.0))
     ]
-    assert _answer(judged) == "No: 1 of 2 sets of points are off their curves: line."
+    assert _answer(judged) == "No: points are off their curves in 1 of 2 sets: line."

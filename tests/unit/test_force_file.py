@@ -90,7 +90,7 @@ def test_a_voltage_needs_a_sensitivity(tmp_path):
     [
         ("", {}, "must have columns of time and force"),
         ("time,force\n", {}, "0 points"),
-        ("0,1\n1,2\n2,3\n", {}, "3 points; there must be at least 4"),
+        ("0,1\n1,2\n2,3\n", {}, "must have at least 4 points, not 3"),
         (
             "time,force\n0,1\nx,2\n2,3\n3,4\n",
             {},

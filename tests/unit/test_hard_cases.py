@@ -47,4 +47,4 @@ def test_hard_cases_that_break_their_promise_are_named() -> None:
     broken = report.answer({"chatter": [kept, (case, Finding("sinks", False))]})
     failing = HardCase("a ball", "rests", lambda: Finding(str(1 / 0), True))
     assert failing.run() == Finding("ZeroDivisionError: division by zero", False)
-    assert broken == "No: 1 of 2 hard cases break their promise: chatter: a ball (sinks)."
+    assert broken == "No: promises are broken in 1 of 2 hard cases: chatter: a ball (sinks)."

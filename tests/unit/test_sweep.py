@@ -291,7 +291,7 @@ def test_a_cluster_without_workers_says_so_and_goes_on_with_the_first(
             client.started.set()
     assert found.identical(sweep(power, SPACE))
     (line,) = lines
-    assert re.search(r"no worker for 0\.05 s; the sweep goes on as soon as one is started", line)
+    assert re.search(r"no worker for 0\.05 s; the sweep continues as soon as one is started", line)
     assert "\n" not in line
 
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from bristle_sim.cli.command import MISSED
 from bristle_sim.cli.options import Content, add_options, deliver, targets_of
@@ -60,7 +61,29 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         minimize=options.minimize,
         maximize=options.maximize,
     )
-    text = json_of(
+    if not found.trade_off and "plot" in targets:
+        del targets["plot"]
+        print_error("--plot: left out, as no two wants or limits conflict")
+
+    def plot(target: Path) -> None:
+        """Draw the trade-off between two wanted quantities that contradict each other."""
+        from bristle_sim.render.style import save_figure
+
+        save_figure(found.plot(), target)
+
+    made: dict[str, Content] = {
+        "plot": plot,
+        "write-tool": partial(write_tool, found.tool),
+        "json": _json(found, values),
+    }
+    lines = [found.answer, *found.remarks, "", *_table(found)]
+    deliver(options, targets, made, "\n".join(lines))
+    return MISSED if found.conflict else 0
+
+
+def _json(found: Design, values: Mapping[str, Any]) -> str:
+    """Return a design as JSON text; ``values`` are the parameters of the given tool, by key."""
+    return json_of(
         "design",
         found.answer,
         values,
@@ -75,20 +98,6 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         trade_off=found.trade_off,
         check=dataclasses.asdict(found.check),
     )
-    if not found.trade_off and "plot" in targets:
-        del targets["plot"]
-        print_error("--plot: left out, as no two wants or limits conflict")
-
-    def plot(target: Path) -> None:
-        """Draw the trade-off between two wanted quantities that contradict each other."""
-        from bristle_sim.render.style import save_figure
-
-        save_figure(found.plot(), target)
-
-    made: dict[str, Content] = {"plot": plot, "write-tool": partial(write_tool, found.tool)}
-    lines = [found.answer, *found.remarks, "", *_table(found)]
-    deliver(options, targets, made | {"json": text}, "\n".join(lines))
-    return MISSED if found.conflict else 0
 
 
 def _table(found: Design) -> list[str]:

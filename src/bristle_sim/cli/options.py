@@ -147,7 +147,7 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Raise ValueError with the message, and with advice on an unknown option."""
         unknown = message.removeprefix("unrecognized arguments: ")
-        if unknown == message:  # of a value: the option and the value begin the message
+        if unknown == message:  # a refused value, whose message begins with option and value
             raise ValueError(re.sub(r"^argument (--\S+): (?=\1 = )", "", message))
         setting = "=" in unknown and not unknown.startswith("-")
         advice = (
@@ -157,7 +157,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def value_of(read: Callable[[str], Any]) -> Callable[[str], Any]:
-    """Return a function that reads an option's value, and refuses it as argparse requires.
+    """Return the function that reads an option's value and raises argparse's own error if it is refused.
 
     ``read`` raises ValueError for a refused value; its message begins with the option's name
     without dashes.
@@ -221,7 +221,7 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "report": ("FILE.html", "write a page with question, answer, figures and parameters", {}),
     "write-tool": ("FILE.toml", "write the tool that was run, or that the scenario found", {}),
     "workers": ("N", "number of processes of a sweep; -1: one for each core", {"type": value_of(_workers)}),
-    "store": ("FOLDER", "keep finished points of a sweep, and go on from them", {}),
+    "store": ("FOLDER", "keep finished points of a sweep, and continue from them", {}),
     "quantity": ("NAME", "a quantity that a sweep shows, in place of all that change; repeatable", APPENDED),
     "sweep": ("KEY=FROM:TO:N", "run N equally spaced values of a key; twice for two keys; --csv, --json and --plot then"
               " show all points", APPENDED),

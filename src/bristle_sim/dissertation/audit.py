@@ -87,13 +87,17 @@ def audit_rows() -> tuple[AuditRow, ...]:
     from bristle_sim.dissertation import audit_chapters_3_4 as force
 
     figures = {
-        **impact.cue_figures(),
+        **impact.tool_figures(),
+        **impact.bar_figures(),
         **impact.pass_figures(),
         **impact.compression_figures(),
         **impact.restitution_figures(),
         **impact.pendulum_figures(),
-        **force.force_history_figures(),
+        **force.ball_force_figures(),
+        **force.segment_figures(),
+        **force.bristle_force_figures(),
         **force.motion_figures(),
+        **force.cutting_figures(),
         **force.plies_figures(),
         **force.energy_figures(),
     }

@@ -41,31 +41,18 @@ NO_POINTS = "the measured points of Yu et al. are not in the text"
 exact = CraterKinematics.of_tool(tool, PRINTED_RATE)
 
 
-def force_history_figures() -> Figures:
-    """Return the computed values for chapter 3: the contact force over time."""
-    printed = np.array(printed_segments(), dtype=float)
-    step = 0.1 * COMPRESSION_TIME
-    # Fit of (3.3) to the mean forces of table 3.1 at the middles of the segments, with F* = 60 N.
-    middles = step * (np.arange(10) + 0.5)
-    fit = fit_decay(middles, 1e-4 * printed / step, BRISTLE.duration, 2.0 * BRISTLE.swing)
-    not_fitted = (
-        "found by a least-squares fit whose points are not given. The forces of table 3.1 at mid-segment"
-        f" fit with c = {fit.amplitude:.3f} and lambda = {fit.decay:.0f} /s, so it was not fitted to them: 5.5 /s"
-        " is no decay at all over 50 us"
-    )
+def _offset(curve: ForceCurve) -> float:
+    """Return the constant part of the bracket of (3.3) for a printed curve, N."""
+    return ForceCurve.of_impact(
+        1, 0, 2 * curve.swing, curve.duration
+    ).offset  # F* is twice the swing
+
+
+def ball_force_figures() -> Figures:
+    """Return the computed values for section 3.1: the contact force of the ball over time."""
     ball_impulse = BALL.impulse(BALL_TIME)
-    segments = 1e4 * segment_impulses(BALL, BRISTLE_IMPULSE, compression_time=BALL_TIME)
-    roundings = segments * IMPULSE_ROUNDING
-    total = printed.sum()
-    rescaled = BALL.rescaled(BRISTLE_IMPULSE, COMPRESSION_TIME)
-    fitted = BRISTLE.impulse(COMPRESSION_TIME)
-    upright = math.acos(resultant_impulse(0) * math.sin(IMPACT_ANGLE) / BRISTLE_IMPULSE)
-    aligned = np.max(np.abs(segment_impulses(BRISTLE, 1) - segment_impulses(BALL, 1)))
-    ball, bristle = (
-        ForceCurve.of_impact(1, 0, 2 * each.swing, each.duration).offset for each in (BALL, BRISTLE)
-    )  # F* is twice the swing
     return {
-        "eq. 3.5: constant part of the bracket": ball,
+        "eq. 3.5: constant part of the bracket": _offset(BALL),
         "eq. 3.5: t_o from T = 0.006 s": 0.006 / 12,
         "eq. 3.5: amplitude c": Figure(None, NO_POINTS),
         "eq. 3.5: decay lambda": Figure(None, NO_POINTS),
@@ -84,6 +71,16 @@ def force_history_figures() -> Figures:
         "sec. 3.1: inflection point within 5 % of the raw data": Figure(
             None, f"{NO_POINTS}; that of (3.5) lies at {1e3 * BALL.inflection_time():.3f} ms"
         ),
+    }
+
+
+def segment_figures() -> Figures:
+    """Return the computed values for section 3.2: the bristle's impulse in ten equal segments."""
+    total = np.array(printed_segments(), dtype=float).sum()
+    segments = 1e4 * segment_impulses(BALL, BRISTLE_IMPULSE, compression_time=BALL_TIME)
+    roundings = segments * IMPULSE_ROUNDING
+    upright = math.acos(resultant_impulse(0) * math.sin(IMPACT_ANGLE) / BRISTLE_IMPULSE)
+    return {
         "eq. 3.9: compressive impulse of the bristle": Figure(
             resultant_impulse(0.31),
             f"the friction is not stated; 1.619e-3 needs mu = {1 / math.tan(IMPACT_ANGLE + upright):.4f}"
@@ -109,7 +106,26 @@ def force_history_figures() -> Figures:
         "eq. 3.18: the normalized impulses add up to 1": Figure(
             total / (1e4 * BRISTLE_IMPULSE), holds=abs(total / (1e4 * BRISTLE_IMPULSE) - 1) < 0.005
         ),
-        "eq. 3.19: constant part of the bracket": bristle,
+    }
+
+
+def bristle_force_figures() -> Figures:
+    """Return the computed values for section 3.3: the contact force of the bristle over time."""
+    step = 0.1 * COMPRESSION_TIME
+    mean_forces = 1e-4 * np.array(printed_segments(), dtype=float) / step
+    # Fit of (3.3) to the mean forces of table 3.1 at the middles of the segments, with F* = 60 N.
+    middles = step * (np.arange(10) + 0.5)
+    fit = fit_decay(middles, mean_forces, BRISTLE.duration, 2.0 * BRISTLE.swing)
+    not_fitted = (
+        "found by a least-squares fit whose points are not given. The forces of table 3.1 at mid-segment"
+        f" fit with c = {fit.amplitude:.3f} and lambda = {fit.decay:.0f} /s, so it was not fitted to them: 5.5 /s"
+        " is no decay at all over 50 us"
+    )
+    rescaled = BALL.rescaled(BRISTLE_IMPULSE, COMPRESSION_TIME)
+    fitted = BRISTLE.impulse(COMPRESSION_TIME)
+    aligned = np.max(np.abs(segment_impulses(BRISTLE, 1) - segment_impulses(BALL, 1)))
+    return {
+        "eq. 3.19: constant part of the bracket": _offset(BRISTLE),
         "eq. 3.19: t_o from T = 0.00012 s": 0.00012 / 12,
         "eq. 3.19: amplitude c": Figure(None, not_fitted),
         "eq. 3.19: decay lambda": Figure(None, not_fitted),
@@ -193,15 +209,29 @@ def motion_figures() -> Figures:
     }
 
 
-def plies_figures() -> Figures:
-    """Return the computed values for section 4.2: the crater depth by Merchant's theory of
-    cutting.
-    """
+def cutting_figures() -> Figures:
+    """Return the computed values for section 4.2.1: the angles and the force of cutting."""
     angles = oblique_angles(0.5, IMPACT_ANGLE)
-    buried = oblique_angles(0.31, IMPACT_ANGLE, check=False)
     rake, beta, eta = (
         math.degrees(float(each)) for each in (angles.rake, angles.friction, angles.shear)
     )
+    return {
+        "eq. 4.36: rake angle less impact angle": Figure(None, "measured on the tip"),
+        "fig. 4.13: rake angle": rake,
+        "eq. 4.52: friction angle": beta,
+        "eq. 4.52: shear angle": eta,
+        "eq. 4.53: shear yield stress of API 5L": Figure(None, "taken from a data sheet"),
+        "eq. 4.55: amplitude of the cutting force": BRISTLE.amplitude
+        * math.cos(angles.resultant_angle),
+        "eq. 4.56: angle of the resultant to the shear plane": eta + beta - rake,
+        "eq. 4.56: angle of the resultant to the path": beta - rake,
+        "eq. 4.56: 2/cos(gamma)": 2 / math.cos(IMPACT_ANGLE),
+    }
+
+
+def plies_figures() -> Figures:
+    """Return the computed values for section 4.2.2: the crater depth by plies of equal time."""
+    buried = oblique_angles(0.31, IMPACT_ANGLE, check=False)
     under = 23.4 - math.degrees(buried.shear)
     rounded = 1e6 * float(crater.merchant_crater_depth(angles=PRINTED_ANGLES))
     limit = 1e6 * float(crater.merchant_crater_depth(plies=math.inf, angles=PRINTED_ANGLES))
@@ -214,16 +244,6 @@ def plies_figures() -> Figures:
     constant_depth = crater.friction_for_crater_depth(0.00014, np.radians(np.linspace(5, 23, 19)))
     by_stress = 1e6 * crater.merchant_crater_depth(shear_yield_stress=np.linspace(0.8e8, 2.4e8, 17))
     return {
-        "eq. 4.36: rake angle less impact angle": Figure(None, "measured on the tip"),
-        "fig. 4.13: rake angle": rake,
-        "eq. 4.52: friction angle": beta,
-        "eq. 4.52: shear angle": eta,
-        "eq. 4.53: shear yield stress of API 5L": Figure(None, "taken from a data sheet"),
-        "eq. 4.55: amplitude of the cutting force": BRISTLE.amplitude
-        * math.cos(angles.resultant_angle),
-        "eq. 4.56: angle of the resultant to the shear plane": eta + beta - rake,
-        "eq. 4.56: angle of the resultant to the path": beta - rake,
-        "eq. 4.56: 2/cos(gamma)": 2 / math.cos(IMPACT_ANGLE),
         "sec. 4.2.2: chip and rebound contradict each other": Figure(
             23.4 - under,
             f"with the friction 0.31 of chapter 2 the shear plane stays {under:.2f} deg under the surface;"

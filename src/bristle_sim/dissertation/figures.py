@@ -109,9 +109,9 @@ def _answer(quantities: Sequence[Quantity]) -> str:
     judged = [each for each in quantities if each.ok is not None]
     missed = [each.label for each in judged if not each.ok]
     if missed:
-        return f"No: {len(missed)} of {len(judged)} sets of points are off their curves: {'; '.join(missed)}."
+        return f"No: points are off their curves in {len(missed)} of {len(judged)} sets: {'; '.join(missed)}."
     verdict = (
-        f"Yes: all {len(judged)} sets of points that must lie on a curve do."
+        "Yes: all points that must lie on a curve do."
         if judged
         else "No points must lie on these curves."
     )

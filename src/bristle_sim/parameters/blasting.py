@@ -68,7 +68,7 @@ class Blasting(Declared):
     )
     ground_length: float = quantity(
         0.02,
-        "1e-6 <= ground_length <= 1 m: length of the ground along the slide; a crater that crosses one end goes on at the other"
+        "1e-6 <= ground_length <= 1 m: length of the ground along the slide; a crater that crosses one end continues at the other"
         " [chosen: 25 section lengths of 0.8 mm]",
     )
     ground_width: float = quantity(

@@ -155,7 +155,7 @@ class FilmGrid(Declared):
         "1 <= workers <= 64: number of processes that compute the map [chosen: a small computer's]",
     )
     store: str | None = text(
-        "store: folder that keeps finished cases, from which an interrupted map goes on [none: nothing is kept]",
+        "store: folder that keeps finished cases, from which an interrupted map continues [none: nothing is kept]",
         "folder",
     )
 

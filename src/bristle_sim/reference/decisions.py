@@ -30,7 +30,7 @@ from bristle_sim.theory.impact import LEAST_COMPLIANCE, Impact, energetic_impact
 # Lowest height of a rebound, as a fraction of hub radius plus wire length. A contact with a lower
 # rebound becomes sustained.
 LOWEST_REBOUND = 1e-10
-# Number of impacts of a single wire within the time ``AT_ONCE`` from which the wire is jammed.
+# Number of impacts of a single wire within the time ``AT_ONCE`` at which the wire counts as jammed.
 MOST_AT_ONCE = 64
 # Time within which impacts count as simultaneous, times the highest angular frequency, rad.
 AT_ONCE = 1e-10

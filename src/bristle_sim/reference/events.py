@@ -214,7 +214,7 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         first, second = (freedom(system.at(ahead(time))) for time in (0.0, step))
         raise system.log.jam(ahead(step * first / (first - second)) if second < first else state)
 
-    # Beyond zero by rounding, so that the decision that follows finds the contact open.
+    # Located beyond zero by rounding error, so that the contact is open at the event.
     found = [Event(pressing, -1, acceleration, partial(decide, system)).ahead(instant)]
     if acting.slip and acting.friction:
         found.append(Event(lambda at: freedom(at) - LOCKED, -1, ROUNDING, lock))
@@ -294,8 +294,8 @@ def _place_events(system: System, instant: Instant, each: Sustained) -> list[Eve
         each.point = point
         return decide(system, system.closed(state))
 
-    # For each passage the piece, the distance of its passed end from its start, the direction along
-    # the piece, and the location of the contact after the event.
+    # For each change: the piece; the distance from its start to the end at which the contact changes;
+    # the direction of the contact along the piece; and the point of the contact after the event.
     if corner:
         passages = [
             (index, length, -1, Point(name, index, False)),

@@ -104,7 +104,7 @@ class Run:
             event = self._advance(events, values, solver.t_old, solver.t)
             if event is not None:
                 return event.follow
-            if system.rigid:  # the integrator goes on from the closed gaps
+            if system.rigid:  # the integrator continues from the state with closed gaps
                 sums = solver.y[2 * system.chain.links :]
                 solver.y = np.concatenate([self.state.angles, self.state.rates, sums])
                 solver.f = solver.fun(solver.t, solver.y)

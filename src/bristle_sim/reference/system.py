@@ -61,7 +61,7 @@ class System:
         self.duration = duration
         self.stiffness = stiffness
         self.sustained: list[Sustained] = []
-        # Gap at which a corner has left the workpart, m, while it is in the dent of its contact.
+        # Gap (m) at which each corner left the workpart, by corner, while it is still in its dent.
         self.dents: dict[int, float] = {}
         self.size = chain.hub_radius + chain.length
         self.fastest = chain.fastest_rate

@@ -87,8 +87,8 @@ def bent_figure(bent: BentBristles) -> Figure:
             say(axes, "no tip strikes the workpart")
     tool = bent.trajectories["forward"].tool
     assert tool.workpart is not None
-    what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
-    figure.suptitle(f"Three bristles strike: {what}\n{against_film(bent.slides)}", fontsize=9.0)
+    shape = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
+    figure.suptitle(f"Three bristles strike: {shape}\n{against_film(bent.slides)}", fontsize=9.0)
     marks = {name: {"color": BLACK, **look} for name, look in MARKS.items()}
     write_key(figure, shapes | marks, ncols=3)
     return figure
@@ -139,7 +139,7 @@ LEAST = {
 }
 """Labels and line styles of the least pitches, by name.
 
-A label states what holds at all larger pitches."""
+A label holds at all larger pitches."""
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:

@@ -312,9 +312,8 @@ def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) ->
 
 
 def _write_gif(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
-    # Every second pixel and line suffices. Maximum coverage keeps the colours of small areas, one
-    # round of k-means those of
-    # large areas.
+    # Every second pixel and line suffices. Maximum coverage keeps the colours of small areas; one
+    # round of k-means keeps those of large areas.
     chosen = [
         np.asarray(film.frame(time))[::2, ::2] for time in times[:: -(-len(times) // GIF_SAMPLES)]
     ]

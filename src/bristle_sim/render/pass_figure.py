@@ -170,7 +170,7 @@ def _draw_lines(
         instant = mark.event.time * MILLISECONDS
         axes.axvline(instant, color=mark.color, linewidth=0.7, linestyle=":", zorder=1)
     if len(lines) > 1:
-        axes.margins(y=0.25)  # room for the legend
+        axes.margins(y=0.3)  # room for the legend
         axes.legend(loc="upper left", ncols=3)
     else:
         draw_zero(axes)

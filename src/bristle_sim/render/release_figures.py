@@ -91,13 +91,23 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
     draw_tool(axes, tool)
     for name, (centre, look) in bars.items():
         draw_circle(axes, centre, given.radius, gid=name, **look)
-    names = (("released", GREY, "right", "bottom"), ("fastest", BLACK, "left", "top"))
-    for line, (name, color, side, edge) in zip(timing.wires, names, strict=True):
+    for line, name, color in zip(timing.wires, ("released", "fastest"), (GREY, BLACK), strict=True):
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
-        x, y = 0.5 * (line[0] + line[-1]) * MILLIMETRES
-        axes.text(x, y, f"  {name}  ", color=color, ha=side, va=edge)
+        along = math.atan2(*(line[-1] - line[0])[::-1])
+        upright = (along + 0.5 * math.pi) % math.pi - 0.5 * math.pi
+        axes.annotate(
+            name,
+            MILLIMETRES * 0.5 * (line[0] + line[-1]),
+            (-3.0 * math.sin(upright), 3.0 * math.cos(upright)),  # beside the wire
+            textcoords="offset points",
+            color=color,
+            rotation=math.degrees(upright),
+            rotation_mode="anchor",
+            ha="center",
+            va="bottom",
+        )
 
 
 @styled()

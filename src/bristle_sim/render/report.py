@@ -189,7 +189,7 @@ def verdict(report: Report) -> str:
     missed = [row.label for row in judged if not row.ok]
     if not judged:
         return ""
-    said = f"{len(judged) - len(missed)} of {len(judged)} comparisons that have a tolerance are within it"
+    said = f"Within their tolerance: {len(judged) - len(missed)} of {len(judged)} comparisons"
     return f"{said}; not: {', '.join(missed)}." if missed else f"{said}."
 
 
@@ -203,7 +203,7 @@ def _figures(
     Args:
         plot: function that draws one figure to a path, or several to a folder.
         plot_is_folder: whether ``plot`` draws to a folder.
-        name: what the figure shows, for screen readers.
+        name: description of the figure for screen readers.
     """
     found = []
     with TemporaryDirectory() as folder:

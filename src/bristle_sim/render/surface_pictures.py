@@ -192,6 +192,6 @@ class SurfaceFilm(Film):
             self.ground.strike(x, y, float(made.depths[each]))
         self.picture.set_data(self._picture())
         rz = MICROMETRES * float(np.interp(number, made.course["strikes"], made.course["rz"]))
-        caption = f"{number} strikes, {3600.0 * made.area_rate:.2f} m²/h"
+        caption = f"{number} of {made.depths.size} strikes, {3600.0 * made.area_rate:.2f} m²/h"
         covered = f"covered {100.0 * self.ground.coverage:5.1f} %"
         return caption, f"Rz {signed(rz, 0, 4)} µm", covered

@@ -73,7 +73,6 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
         by_duration.plot(durations, study.by_duration[name], **look)
     by_links.xaxis.set_major_locator(MaxNLocator(integer=True))
     by_duration.xaxis.set_major_formatter("{x:g}")
-    by_duration.set_xlim(durations.min(), durations.max())
     own = struck.strike.contact.duration * MICROSECONDS
     by_duration.axvline(own, color=BLACK, linewidth=0.8, linestyle=":")
     for axes in (by_links, by_duration):
@@ -86,7 +85,7 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
 def _draw_force(axes: Axes, struck: FlexibleWire) -> None:
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
     times = rigid["peak_force"] / own["peak_force"]
-    axes.set_title(f"the rigid bristle pushes {times:.2g} times as hard")
+    axes.set_title(f"peak force of the rigid bristle: {times:.2g} times the wire's")
     axes.set(xlabel="time since the first touch (µs)", ylabel="normal force (N)")
     wire = f"wire of {struck.strike.tool.bristle.links} links"
     for run, color, name, values in (
@@ -163,13 +162,13 @@ class WireFilm(Film):
         up = np.array([0.0, self._longest * pushed / force.max()])
         self.arrow.set_offsets(MILLIMETRES * (wire[-1] - up))
         self.arrow.set_UVC(*(MILLIMETRES * up))
-        caption = "the wave is at the root"
+        caption = "the bending wave has reached the root"
         if time > touch[-1]:
-            caption = "released, the wire swings on"
+            caption = "the end has left the workpart"
         elif self._links == 1:
-            caption = "the end is struck"
+            caption = "the end is in contact"
         elif time < self.arrival:
-            caption = "the end is struck; the wave is on its way to the root"
+            caption = "the end is in contact; a bending wave travels to the root"
         readings = (("wire", pushed), ("rigid", rigid))
         return caption, *(f"{name} {signed(value, 1, 5)} N" for name, value in readings)
 

@@ -175,4 +175,4 @@ def against_film(slides: Slides) -> str:
     others = 0.5 * (found[0] + found[1])
     if others <= 0.0:
         return "neither the reverse bent nor the straight tip slides forward, unlike in the film"
-    return f"forward bent slides {found[2] / others:.0%} as far as the mean of the other two; in the high-speed film not at all"
+    return f"forward bent slides {100.0 * found[2] / others:.0f} % as far as the mean of the other two; in the high-speed film not at all"

@@ -38,9 +38,10 @@ KEPT_DEG = 1.0
 # Changes of a parameter at which the deviations are computed, divided by the largest change within
 # its range. Consecutive changes differ by 0.7 %.
 DISTANCES = np.geomspace(1e-6, 1.0, 2000)
-# Step, as a fraction of a parameter's range, of a second difference quotient that tells a jump from
-# a slope; largest relative difference of the two at a slope; and smallest change over the whole
-# range, divided by the quantity, that is distinguished from rounding error.
+# Three constants that distinguish a jump of a quantity from a slope: the step of a second difference
+# quotient, as a fraction of a parameter's range; the largest relative difference of the two
+# quotients at a slope; and the smallest change over the whole range, divided by the quantity, that
+# is not rounding error.
 COARSE_DIFFERENCE = 1e-4
 SMOOTH = 0.1
 LEAST_CHANGE = 1e-4

@@ -308,9 +308,9 @@ def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Func
     """Return two functions of one point: the values of ``function``, and their derivatives.
 
     ``function`` takes points as fractions of the ranges. The derivatives are finite differences
-    with points inside the ranges, ``step`` away at most. A derivative that is not finite is replaced by 0. The values have
-    the shape (values,), the derivatives (values, parameters). One call of ``function`` computes
-    both, and the result is stored for the other function.
+    with points inside the ranges, ``step`` away at most. A derivative that is not finite is
+    replaced by 0. The values have the shape (values,), the derivatives (values, parameters). One
+    call of ``function`` computes both, and the result is stored for the other function.
     """
 
     @functools.lru_cache(maxsize=2)

@@ -129,7 +129,7 @@ def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
         quantities=rows(NEAREST | MEASURES, values, printed=MEASURED),
         **run_fields(found.run) | {"wall_s": clock.perf_counter() - started},
         remarks=(
-            "printed: what film and micrograph show",
+            "printed: values by film and micrograph",
             *(_reached(name, found.results[name]) for name in MEASURED),
         ),
         tables=(_table(variants),),
@@ -273,5 +273,5 @@ def _answer(values: Mapping[str, float], duration: float, damping: float) -> str
             missed.append(f"{label} {amount(value, unit)}, measured {amount(measured, unit)}")
     place = f"a contact of {amount(duration, 's')} and a damping ratio of {damping:.2g}"
     if not missed:
-        return f"{place[0].upper()}{place[1:]} explain touches, compression time and crater to {EXPLAINED:.0%}."
+        return f"{place[0].upper()}{place[1:]} explain touches, compression time and crater to {100.0 * EXPLAINED:.0f} %."
     return f"No pair of the map explains all three facts; the nearest, {place}, misses these: {' and '.join(missed)}."

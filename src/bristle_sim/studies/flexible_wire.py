@@ -173,7 +173,7 @@ def flexible_wire(
     units = MEASURES | {RATIO: ("impulse divided by the rigid bristle's", "1")}
     remarks = [
         f"theory: the beam for the frequencies, else the rigid bristle at the contact stiffness of {struck.stiffness:.4g} N/m",
-        f"The crater is cut in API 5L steel with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression.",
+        f"The crater is cut in API 5L steel with mu = {CUTTING_FRICTION:g} by the energy that the tip loses in compression.",
     ]
     if outcome != "rebound":
         remarks.append(

@@ -162,8 +162,8 @@ def least_pitch(
     open_gap = gap(largest)
     wider = math.inf
     before = largest
-    # Largest slope of the gap, m/rad: the follower lags by pitch/omega, and none of its points
-    # moves faster.
+    # Bound of the gap's derivative with respect to the pitch, m/rad. The follower's delay is
+    # pitch/omega, so the bound is the largest speed of a point of the wire divided by omega.
     steepest = float(np.linalg.norm(lone.centre_line_velocity, axis=-1).max()) / lone.hub_speed
     while True:  # ends at the latest at a pitch at which the two wires would overlap
         narrower = max(pitch - max(PITCH_STEP, open_gap / steepest), 0.0)

@@ -255,7 +255,7 @@ def sweep_in_words(found: Swept, chosen: Sequence[str]) -> str:
         parts.append(_outcomes(found.outcome, axes))
     reasons, numbers = np.unique(found.failure[found.failure != ""].astype(str), return_counts=True)
     parts += [
-        f"{number} points lack results: {reason.rstrip('.')}"
+        f"no results at {number} of {found.failure.size} points: {reason.rstrip('.')}"
         for reason, number in zip(reasons.tolist(), numbers.tolist(), strict=True)
     ][:NAMED]
     return f"{points} {'; '.join([*parts, *filter(None, [found.check])])}."

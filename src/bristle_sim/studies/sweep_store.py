@@ -99,7 +99,7 @@ class Results:
                 lost[points] |= absent & ~missing[points]
                 missing[points] |= absent
         if lost.any():
-            words = "%s: %d points were damaged or lost, and are computed again"
+            words = "%s: number of damaged or lost points that are computed again: %d"
             logging.getLogger(__name__).warning(words, self.folder, lost.sum())
         return missing
 

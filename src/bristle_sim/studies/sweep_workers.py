@@ -160,7 +160,7 @@ class _Batches:
                 return self.finished.get(timeout=WITHOUT_WORKER)
             except queue.Empty:
                 if not self._workers():
-                    words = "workers = %s: no worker for %.3g s; the sweep goes on as soon as one is started"
+                    words = "workers = %s: no worker for %.3g s; the sweep continues as soon as one is started"
                     logging.getLogger(__name__).warning(words, self.executor, WITHOUT_WORKER)
 
     def _workers(self) -> int:

@@ -291,5 +291,5 @@ def _require_results(found: Measures, inputs: Mapping[str, Array], outputs: Sequ
     reason = found[FAILURE][where] or f"no {', '.join(unknown)}"
     point = ", ".join(f"{name} = {column[where]:.6g}" for name, column in inputs.items())
     raise ValueError(
-        f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"
+        f"spreads: must be smaller, no result at {int(lost.sum())} of {lost.size} points; at {point}: {reason}"
     )

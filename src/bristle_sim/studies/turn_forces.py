@@ -195,8 +195,8 @@ def _sustained(
     slip = np.sign((np.conj(velocity) * normal).imag)
     pushed = weights * at.normal_force
     impulse = np.stack([pushed, -part.friction * slip * pushed])
-    # No polynomial follows a force that falls to 0 within the last interval. The lever hardly
-    # changes there, so what is missing of the impulse acts with the last lever.
+    # A force that falls to 0 within the last interval is no polynomial there, and the quadrature
+    # misses a part of its impulse. The lever hardly changes, so the missing part has the last lever.
     impulse[:, -1, -1] += np.subtract(contact.impulse, impulse.sum(axis=(1, 2)))
     moment = float((np.conj(point) * in_plane(normal, impulse)).imag.sum())
     return tuple(np.unique(time[[0, *np.flatnonzero(np.diff(time) <= 0.0), -1]]).tolist()), moment

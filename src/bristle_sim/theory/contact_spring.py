@@ -6,11 +6,11 @@ earlier value, and
 
     N = (k/e*^2) (delta - delta_r),    delta_r = (1 - e*^2) delta_max,
 
-otherwise, down to 0 at delta_r. The spring thus returns e*^2 of the work it took, for any motion of
+otherwise, down to 0 at delta_r. The spring thus returns e*^2 of the work of loading, for any motion of
 the bodies (Stronge 1990).
 
 Where the tangential compliance eta^2 is not 0, a spring of the stiffness k/eta^2 joins the contact
-point to a foot on the surface. While the foot stands, T = -(k/eta^2) (x - x_foot). Where this force
+point to a foot on the surface. While the foot sticks, T = -(k/eta^2) (x - x_foot). Where this force
 would leave the friction cone abs(T) <= mu N, the foot slides in the sense s, with T = -mu s N, at
 the velocity v_t + mu s eta^2 kappa v_n. The stiffness ratio kappa is 1 in loading and 1/e*^2 in
 unloading (Maw, Barber and Fawcett 1976; Stronge, *Impact Mechanics*, 2nd ed., sec. 5).

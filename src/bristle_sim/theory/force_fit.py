@@ -317,7 +317,7 @@ def _check(time: Array, force: Array) -> None:
         raise ValueError("time, force: must be finite numbers, the times increasing (in s, N)")
     if force.size <= UNKNOWNS:
         raise ValueError(
-            f"force: {force.size} points; there must be more than the {UNKNOWNS} unknowns"
+            f"force: must have more points than the {UNKNOWNS} unknowns, not {force.size}"
         )
     if not SPAN[0] <= time[-1] - time[0] <= SPAN[1]:
         raise ValueError(

@@ -1,11 +1,11 @@
 """Planar impact at one point with Coulomb friction: one law for a body, a chain of bodies or a
 whole machine.
 
-An impact depends on the bodies only through the contact-space inverse mass K, which turns an
-impulse p = (p_n, p_t) on the contact point into the change of its velocity, dv = K dp, and the
-velocity v = (v_n, v_t) of the point before the impact. The tangential impulse opposes slip, dp_t =
--mu sign(v_t) dp_n, so within a phase of constant slip direction (or stick) the velocities are
-linear and the works are quadratic in p_n, and every phase ends in closed form:
+Two properties of the bodies determine an impact: the velocity v = (v_n, v_t) of the contact point
+before it, and the point's inverse mass matrix K. An impulse dp = (dp_n, dp_t) changes the velocity
+by dv = K dp. The tangential impulse opposes slip, dp_t = -mu sign(v_t) dp_n. Within a phase of
+constant slip direction (or stick) the velocities are therefore linear in p_n, and the works are
+quadratic. So every phase ends in closed form:
 
 * slip continues until v_t = 0;
 * then the point sticks if mu >= |K_nt| / K_tt, and otherwise slips in the direction of sign(K_nt);

@@ -2,10 +2,10 @@
 normal one.
 
 The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it returns e*^2 of the
-work it took. The tangential spring has stiffness k/eta^2, and its foot slides where its force T
+work of loading. The tangential spring has stiffness k/eta^2, and its foot slides where its force T
 would leave the friction cone |T| <= mu N. With the inverse mass matrix K, dv = K (N, T) dt. The
-outcome depends on K, v, mu, e* and eta^2. The stiffness k sets the time alone, and is 1 here. An
-impact is a sequence of phases (``impact_stick``, ``impact_springs``):
+outcome depends on K, v, mu, e* and eta^2. The stiffness k has an effect on the duration alone, and
+is set to 1. An impact is a sequence of phases (``impact_stick``, ``impact_springs``):
 
 * stick: the motion of two oscillators. It ends where the force reaches the cone
   or where loading or unloading ends;
@@ -19,12 +19,13 @@ jumps onto the cone. A point that is pressed deeper than before loads again, wit
 are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2. Springs
 begin and end without force, or lose their force, so energy never grows.
 
-A point of one degree of freedom may never leave the surface. In stiction friction holds both
-springs compressed; in a jam the root drives the point on into the surface at a constant speed, and
-both forces grow. Balanced forces, K (N, T) = 0, do not change the motion, and their impulse has no
-end. The impact therefore ends where K (N, T) is first stationary in loading, at K_nt v_n + K_tt
-v_t/eta^2 = 0. This is the velocity of the balance about which the point would swing; it is 0 in
-stiction. As eta^2 falls, this end tends to the end of slip, where the impact of a rigid point ends.
+A point of one degree of freedom may never leave the surface. In stiction, friction keeps both
+springs compressed. In a jam, the point moves on into the surface at a constant speed, and both
+forces grow. Balanced forces, K (N, T) = 0, do not change the motion, and their impulse grows
+without bound. The impact is therefore taken to end where K (N, T) is first stationary in loading,
+at K_nt v_n + K_tt v_t/eta^2 = 0. The velocity there is the mean velocity about which the point
+would swing; it is 0 in stiction. As eta^2 falls, this end tends to the end of slip, where the
+impact of a rigid point ends.
 
 As eta^2 falls, the result tends to the result for a rigid point. If the rigid point sticks, the
 impulse differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
@@ -107,8 +108,8 @@ class Course:
         slip_stop: normal impulse at which the initial slip stops.
         phases: number of consecutive phases that are limited.
         returns: number of changes from unloading to loading.
-        kept: ``totals`` and the velocity at the first balance of forces or end of loading, at which
-            a point with one degree of freedom ends that does not leave the surface.
+        kept: ``totals`` and the velocity at the first balance of forces or end of loading. An impact
+            without end, of a point with one degree of freedom, ends there.
     """
 
     def __init__(self, contact: Contact) -> None:
@@ -165,7 +166,10 @@ class Course:
             totals[4] = slip
 
     def held(self) -> int:
-        """Set a contact that nothing ends back to the state that was kept; return the outcome."""
+        """Return the outcome of an impact without end, and set the contact back to ``kept``.
+
+        The outcome is a jam if the point moves into the surface, otherwise stiction.
+        """
         contact = self.contact
         pressed = contact.loading or contact.normal < -KNIFE_EDGE * contact.approach
         if self.kept is not None:
@@ -203,10 +207,11 @@ class Course:
             self.slip_stop = sum(row[0] for row in self.totals)
 
     def load_again(self) -> None:
-        """Count everything so far as compression; halve the slip after too many changes.
+        """Begin to load again: count all phases so far as compression.
 
-        The changes are those between loading and unloading. During them the mean friction force
-        keeps the normal velocity constant.
+        After too many changes between loading and unloading, halve the slip velocity as well.
+
+        During these changes the mean friction force keeps the normal velocity constant.
         """
         first, second, *later = self.totals
         for index in range(4):

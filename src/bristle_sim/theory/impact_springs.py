@@ -96,9 +96,10 @@ class Contact:
         ``growth``, so that they do not overflow for a large friction.
 
         Returns:
-            The changes of the normal and of the tangential velocity of the contact point per unit
-            normal impulse; the velocity of the foot in the sense of slip; and the change of this
-            velocity per unit normal impulse.
+            The change of the contact point's normal velocity per unit normal impulse.
+            The change of its tangential velocity per unit normal impulse.
+            The velocity of the foot in the sense of slip.
+            The change of the foot's velocity per unit normal impulse.
         """
         along = self.k_nt - self.friction * slip * self.k_tt
         gain = self.stick + (self.k_nt / self.k_tt if self.k_tt else 0.0) * along

@@ -15,7 +15,7 @@ Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. 
 v_n = 0, and unloading ends where N returns to its largest value. These event functions are each a
 constant plus a harmonic term of each mode, so that |f''| <= M with a bound from the amplitudes. The
 parabola f + f' h - M h^2/2 bounds f from below after a step h: its root is a step that passes no
-root of f. Such steps converge quadratically on the first root, and pass a near miss. Where the
+root of f. Such steps converge quadratically to the first root, and step over a near miss. Where the
 rates of the modes differ much, longer steps are found from the parabola of the slow mode less the
 amplitude of the fast mode.
 """
@@ -96,7 +96,7 @@ class Oscillator:
         return self.start * sine + 2.0 * self.slope * half * half
 
     def derivative(self) -> Oscillator:
-        """Return the time derivative of x as an oscillator."""
+        """Return the oscillator of the time derivative of x."""
         return Oscillator(self.square, self.slope, -self.square * self.start)
 
 
@@ -126,7 +126,11 @@ class EventFunction:
     time: float = 0.0
 
     def advance(self) -> bool:
-        """Advance the time by a step without an event; return whether the event occurs before."""
+        """Advance ``time`` by a step in which the event cannot occur.
+
+        Returns:
+            Whether ``time`` is the instant of the event, so that no step is possible.
+        """
         fast, slow = self.modes
         part = self.weights.real
         other_part = self.weights.imag
@@ -225,7 +229,8 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
     forces = axis.conjugate() * complex(push / steep, rub * eta)
     fast = Oscillator(first, forces.real, -speeds.real)
     slow = Oscillator(second, forces.imag, -speeds.imag)
-    # One degree of freedom drifts across its line; a drift of the size of rounding is none.
+    # A point with one degree of freedom has a slow mode of constant velocity. A velocity of the size
+    # of rounding error counts as zero.
     still = second == 0.0 and abs(speeds.imag) <= KNIFE_EDGE * contact.approach
     pressed = contact.stick == 0.0 and not still and axis.imag * speeds.imag > 0.0
     if settles or (jams and pressed):

@@ -47,8 +47,8 @@ def quotient(value: Number, divisor: Number) -> Number:
 def numbers(name: str, value: Any, rule: str) -> Array:
     """Convert a value to an array of floats, which may be infinite or NaN.
 
-    ``name`` is the name of the argument, and ``rule`` the text that says what it must be; both
-    appear in the message of an error.
+    ``name`` is the name of the argument, and ``rule`` the text of the requirement. Both appear in
+    the message of an error.
 
     Raises:
         ValueError: if an entry is not a real number (text, truth value, complex number), or if rows
@@ -79,7 +79,7 @@ def require(name: str, value: Any, holds: Any, rule: str) -> None:
         name: name of the argument.
         value: value of the argument.
         holds: the condition, which broadcasts with the value.
-        rule: text that says what the value must be.
+        rule: text of the requirement, for the message.
     """
     values, passed = np.broadcast_arrays(numbers(name, value, rule), np.asarray(holds, dtype=bool))
     if not passed.all():

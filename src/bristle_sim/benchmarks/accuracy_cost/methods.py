@@ -41,19 +41,30 @@ def own_flight(case: Case) -> list[Attempt]:
     """Return this project's attempts at a flight, by three methods.
 
     The methods are the public function ``simulate``, the extrapolation integrator alone, and equal
-    engine steps. The last two use a model that is built before the timing, as the other packages
-    do.
+    engine steps.
     """
-    scene, units = build_tool(case.tool, hub_start=0.0)
-    hub_speed = scene.mechanism.hub_speed
-    start = State(0.0, (-case.retraction,), (hub_speed,))
-    end = case.duration / units.time
 
     def simulated(accuracy: float) -> Run:
         """Simulate the flight by the public function ``simulate`` with a requested accuracy."""
         settings = Settings(accuracy=accuracy, hub_turn=case.tool.hub.speed * case.duration)
         run = simulate(case.tool, settings, start_relative_angle=-case.retraction)
         return Run((float(run.relative_angle[-1]), float(run.relative_rate[-1])), run.cost.steps)
+
+    return [
+        *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES),
+        *_flight_of_built_scene(case),
+    ]
+
+
+def _flight_of_built_scene(case: Case) -> list[Attempt]:
+    """Return the attempts at a flight by extrapolation and by equal engine steps.
+
+    The model is built before the timing, as the other packages do.
+    """
+    scene, units = build_tool(case.tool, hub_start=0.0)
+    hub_speed = scene.mechanism.hub_speed
+    start = State(0.0, (-case.retraction,), (hub_speed,))
+    end = case.duration / units.time
 
     def extrapolated(tolerance: float) -> Run:
         """Integrate the flight by the extrapolation integrator, which chooses its own intervals."""
@@ -82,20 +93,15 @@ def own_flight(case: Case) -> list[Attempt]:
         return flown(angle, rate, before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
-        """Return the bristle's final state relative to the hub, and the number of engine steps.
+        """Return the final state relative to the hub (rad, rad/s), and the number of engine steps.
 
-        The angle is in rad, the angular velocity in rad/s.
-
-        Args:
-            angle: final absolute angle of the bristle, rad.
-            rate: final absolute angular velocity of the bristle, in scene units.
-            before: count of the scene's engine steps when the flight began.
+        ``angle`` (rad) and ``rate`` (in scene units) are absolute. ``before`` is the number of the
+        scene's engine steps before the flight.
         """
         relative = (angle - scene.mechanism.root_angle(end), (rate - hub_speed) / units.time)
         return Run(relative, scene.steps - before)
 
     return [
-        *attempts("bristle_sim simulate", "accuracy={:g}", simulated, ACCURACIES),
         *attempts("bristle_sim extrapolation", "tolerance={:g}", extrapolated, ACCURACIES),
         *attempts("bristle_sim plain steps", "steps={}", plain, STEP_COUNTS),
     ]
@@ -108,6 +114,7 @@ def own_strike(case: StrikeCase) -> list[Attempt]:
     """
 
     def struck(law: str, accuracy: float) -> Run:
+        """Simulate the strike by a contact law, and return the rods' angular velocities after it."""
         found = strike(case.chain, case.surface, Contact(law), Settings(accuracy=accuracy))
         return Run(found.contact.rates_after, found.steps)
 
@@ -127,6 +134,7 @@ def own_pass(case: Case) -> list[Attempt]:
     """
 
     def simulated(accuracy: float) -> Run:
+        """Simulate the pass up to the strike with a requested accuracy."""
         run = simulate(case.tool, Settings(accuracy), stop_after="strike")
         return Run(state_at_strike(run), run.cost.steps)
 
@@ -167,6 +175,7 @@ def scipy_flight(case: Case) -> list[Attempt]:
     start = (-1.0, 0.0)
 
     def slope(_: float, state: Any) -> list[float]:
+        """Return the time derivatives of the scaled angle and the scaled angular velocity, 1/s."""
         angle, rate = state.tolist()
         # A list: before SciPy 1.17 the compiled code treats a tuple as several return values.
         return [scale * rate, -belt * angle - centrifugal * math.sin(retraction * angle)]
@@ -182,6 +191,7 @@ def scipy_flight(case: Case) -> list[Attempt]:
         calls = itertools.count()
 
         def counted(time: float, state: Any) -> list[float]:
+            """Count an evaluation of the right-hand side, and return its value."""
             next(calls)
             return slope(time, state)
 
@@ -191,6 +201,7 @@ def scipy_flight(case: Case) -> list[Attempt]:
         return flown(solver.set_initial_value(start).integrate(case.duration), next(calls))
 
     def flown(state: Any, evaluations: int) -> Run:
+        """Return the final angle (rad) and angular velocity (rad/s) from the scaled state."""
         return Run(tuple((state * case.scale).tolist()), evaluations)
 
     methods = [
@@ -211,6 +222,7 @@ def scipy_pass(case: Case) -> list[Attempt]:
     """
 
     def passed(power: int) -> Run:
+        """Solve the pass up to the strike with the accuracy 10^-``power``."""
         run = simulate_reference(case.tool, accuracy=10.0**-power, stop_after="strike")
         return Run(state_at_strike(run), run.cost.steps)
 

@@ -77,7 +77,7 @@ def whole(name: str, **changes: float) -> HardCase:
 def belt_stiffness() -> Iterator[HardCase]:
     """Yield cases whose belt stiffness ranges from 1e-3 to 1e6 times the default.
 
-    In some cases a deflected bristle is let go from rest; the others are whole passes.
+    In some cases a deflected bristle is released from rest; the others are whole passes.
     """
     for factor, accuracy in ((1e-3, ACCURACY), (1.0, ACCURACY), (1e6, FINE)):
         yield released(f"belt x {factor:g}", accuracy, belt_stiffness=factor * STIFFNESS)

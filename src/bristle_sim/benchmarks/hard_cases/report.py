@@ -105,7 +105,9 @@ def answer(tried: Tried) -> str:
         if not finding.ok
     ]
     if broken:
-        return f"No: {len(broken)} of {number} hard cases break their promise: {'; '.join(broken)}."
+        return (
+            f"No: promises are broken in {len(broken)} of {number} hard cases: {'; '.join(broken)}."
+        )
     return f"Yes: all {number} hard cases keep their promise."
 
 

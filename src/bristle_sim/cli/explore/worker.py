@@ -160,7 +160,7 @@ class Workers:
             self._idle = [each for each in self._idle if each.rest()]
             worker = self._idle.pop() if self._idle else Worker()
             if not self._idle:
-                self._idle.append(Worker())  # taken last, as it has to import what it needs
+                self._idle.append(Worker())  # it imports its modules until it is taken
             if page:
                 self._running[page] = worker
         try:
@@ -213,7 +213,7 @@ def work() -> None:
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
-    warnings.simplefilter("ignore")  # the page shows what the user has to know
+    warnings.simplefilter("ignore")  # warnings reach the user by the page
     from bristle_sim.cli.explore import bench
     from bristle_sim.cli.scenario import main_scenario
 
