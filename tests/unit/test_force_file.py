@@ -89,7 +89,7 @@ def test_a_voltage_needs_a_sensitivity(tmp_path):
     ("text", "settings", "message"),
     [
         ("", {}, "must have columns of time and force"),
-        ("time,force\n", {}, "0 points"),
+        ("time,force\n", {}, "must have at least 4 points, not 0"),
         ("0,1\n1,2\n2,3\n", {}, "must have at least 4 points, not 3"),
         (
             "time,force\n0,1\nx,2\n2,3\n3,4\n",

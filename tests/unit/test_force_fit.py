@@ -91,7 +91,7 @@ def test_noisy_points_give_the_parameters_within_their_uncertainty(seed):
         ([0, 1, 2], [0, 1], "shapes"),
         ([0, 1, 2, 3], [0, 1, math.nan, 0], "finite"),
         ([0, 1, 1, 3], [0, 1, 2, 0], "increasing"),
-        ([0, 1, 2, 3], [0, 1, 1, 0], "4 points"),
+        ([0, 1, 2, 3], [0, 1, 1, 0], "more points than the 4 unknowns, not 4"),
         (
             [0, 1e-294, 2e-294, 3e-294, 4e-294],
             [0, 1, 2, 1, 0],

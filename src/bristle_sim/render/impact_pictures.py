@@ -80,7 +80,9 @@ def impact_figure(impacts: Impacts) -> Figure:
         law = "lines: rigid along the surface" if elastic else "lines: energetic law"
         law += f"; crosses: resolved in time{', elastic' if elastic else ''}"
     course = energetic_course(impacts.chain, surface)
-    impulse = scale_for(float(course.impulse[-1]), "N·s")
+    courses = [course] if recorded is None else [course, recorded]
+    end = max(float(each.impulse[-1]) for each in courses)
+    impulse = scale_for(end, "N·s")
     speed = scale_for(
         float(np.abs([course.normal_velocity, course.tangential_velocity]).max()), "m/s"
     )
@@ -94,7 +96,6 @@ def impact_figure(impacts: Impacts) -> Figure:
         return figure
     draw_zero(axes)
     edges = course.impulse * impulse.factor
-    end = edges[-1]
     for name, color in COLOURS.items():
         which = f"{name}_velocity"
         axes.plot(edges, getattr(course, which) * speed.factor, color=color, gid=which, label=name)
@@ -102,9 +103,8 @@ def impact_figure(impacts: Impacts) -> Figure:
             points = (recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor)
             gid = f"{which}, resolved in time"
             axes.plot(*points, "x", color=BLACK, markersize=3.6, zorder=3, gid=gid)
-            end = max(end, points[0][-1])
     axes.legend(loc="lower right")
-    axes.set_xlim(0.0, 1.03 * end)
+    axes.set_xlim(0.0, 1.03 * end * impulse.factor)
     axes.margins(y=0.25)  # room for the names of the phases
     for name, (start, stop) in zip(course.phases, pairwise(edges), strict=False):
         axes.axvspan(start, stop, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0)
