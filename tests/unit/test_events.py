@@ -123,7 +123,7 @@ def test_the_error_of_a_gap_on_the_polynomial_is_bounded(
         bound = polynomial_error(system, moved)
         for part in (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8):
             exact = swing(fastest, begin + part * length).angles[0]
-            worst = max(worst, abs(moved.at(part * length).angles[0] - exact) / bound)
+            worst = max(worst, abs(moved.at(part * length).state.angles[0] - exact) / bound)
     assert 0.1 < worst < 1.0
 
 
@@ -136,14 +136,14 @@ class TestLocate:
         def value(at: float) -> float:
             return sign * ((at - root) ** 3 + 1e-3 * (at - root))
 
-        found = locate(value, 0.0, 1.0, value(0.0), value(1.0), 1e-12)
+        found = locate(value, float, 0.0, 1.0, value(0.0), value(1.0), 1e-12)
         assert abs(value(found)) <= 1e-12
         assert found == pytest.approx(root, abs=1.1e-9)
 
     @pytest.mark.parametrize("jump", [1e-9, 0.25, 1.0 - 1e-9])
     def test_past_a_jump(self, jump: float) -> None:
         """No value is within the tolerance: the first duration past the jump, to the last digits."""
-        found = locate(lambda at: -1.0 if at < jump else 1.0, 0.0, 1.0, -1.0, 1.0, 0.0)
+        found = locate(lambda at: -1.0 if at < jump else 1.0, float, 0.0, 1.0, -1.0, 1.0, 0.0)
         assert jump <= found <= jump + 1e-14
 
 

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, ROUNDED_TOLERANCES, TURNS, Event
 from bristle_sim.scene.extrapolation import IntervalResult
-from bristle_sim.scene.mechanism import Curve, State
+from bristle_sim.scene.mechanism import Curve
 from bristle_sim.scene.system import LEAST_VALUE, System
 
 LOCATED_VALUE = 1e-3
@@ -74,19 +75,19 @@ class Interval:
         self.instant = ONE_INSTANT * (1.0 + end.state.time)
         self._curve: Curve | None = None
 
-    def at(self, time: float) -> State:
-        """Return the state at a time after the start, by polynomial interpolation.
+    def at(self, time: float) -> IntervalResult:
+        """Return a result, with the state alone, at a time after the start, by interpolation.
 
         The polynomial passes through the states at the start, at the end and, if the integrator has
         computed it, in the middle.
         """
         if time == 0.0:
-            return self.start
+            return IntervalResult(self.start)
         if time == self.length:
-            return self.end.state
+            return IntervalResult(self.end.state)
         if self._curve is None:
             self._curve = Curve(self.start, self.end.middle, self.end.state)
-        return self._curve.at(time)
+        return IntervalResult(self._curve.at(time))
 
     def up_to(self, end: IntervalResult) -> Interval:
         """Return the interval shortened to an earlier end.
@@ -170,7 +171,7 @@ def _zero(
     if found is not None:
         return found
     ends = (begin, interval.length, left, right)
-    time = max(locate(lambda time: value(integrate_to(time)), *ends, tolerance), interval.instant)
+    time = max(locate(value, integrate_to, *ends, tolerance), interval.instant)
     back = 1e-12
     while (result := integrate_to(time)).failed and back < 1.0:
         # Beyond the release the contact would have to pull, and the integration fails. An interval
@@ -189,7 +190,7 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """
     sense = -float(event.direction)
     length = interval.length
-    results = [IntervalResult(interval.at(part * length)) for part in (0.0, 0.25, 0.5, 0.75)]
+    results = [interval.at(part * length) for part in (0.0, 0.25, 0.5, 0.75)]
     values = [sense * event.value(result) for result in (*results, interval.end)]
     if math.isnan(sum(values)) or values[-1] < 0.0:
         return interval
@@ -243,16 +244,12 @@ def settle(
         first, last: earliest and latest time of the zero, from the interval's start.
         tolerance: largest magnitude of the function that counts as zero.
     """
-
-    def on_polynomial(time: float) -> float:
-        return value(IntervalResult(interval.at(time)))
-
-    left = on_polynomial(first)
-    right = on_polynomial(last)
+    left = value(interval.at(first))
+    right = value(interval.at(last))
     if not left * right < 0.0:  # NaN where the state does not determine the function
         return None
     rounding = GUESS_TOLERANCE * max(abs(left), abs(right))
-    near = locate(on_polynomial, first, last, left, right, rounding)
+    near = locate(value, interval.at, first, last, left, right, rounding)
     longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
     for trial in range(MOST_GUESSES):
@@ -299,14 +296,17 @@ MOST_LINES = 30
 
 
 def locate(
-    value: Callable[[float], float],
+    value: Callable[[Any], float],
+    motion: Callable[[float], Any],
     left: float,
     right: float,
     at_left: float,
     at_right: float,
     tolerance: float,
 ) -> float:
-    """Return the root of a function between two times at which it has opposite signs.
+    """Return the time between two others at which a function of the motion is zero.
+
+    The function has opposite signs at the two given times.
 
     The method is false position with the weights of Anderson and Bjorck, followed by bisection
     after ``MOST_LINES`` evaluations, as at a jump. At the returned time the magnitude of the
@@ -315,6 +315,7 @@ def locate(
 
     Args:
         value: the function.
+        motion: the motion, on which the function depends, at a time.
         left, right: the earlier and the later time.
         at_left, at_right: values of the function at these times.
         tolerance: largest magnitude of the function that counts as zero.
@@ -336,7 +337,7 @@ def locate(
         least = LEAST_PART
         if count >= MOST_LINES or not min(last, other) < trial < max(last, other):
             trial = 0.5 * (last + other)
-        found = value(trial)
+        found = value(motion(trial))
         if abs(found) <= tolerance:
             return trial
         if (found < 0.0) == (at_last < 0.0):
