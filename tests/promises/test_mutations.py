@@ -76,16 +76,14 @@ class TestInertia:
             mechanism = scene.mechanism
             step = scene.step
 
-            def without(length: float, count: int, act=None, **options) -> list[float]:
+            def without(length: float, count: int, acts, **options) -> list[float]:
                 def push() -> None:
-                    if act is not None:
-                        act()
                     relative = link.angle - hub.angle
                     link.torque += (
                         0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
                     )
 
-                return step(length, count, push, **options)
+                return step(length, count, [*acts, push], **options)
 
             scene.step = without
 

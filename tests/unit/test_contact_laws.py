@@ -8,9 +8,8 @@ import pytest
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.contact_space.joints import joined
 from bristle_sim.parameters import Bristle, Surface, Tool
-from bristle_sim.scene import engine_law
-from bristle_sim.scene.engine_law import EngineLaw
-from bristle_sim.scene.impacts import contact_at
+from bristle_sim.scene import impacts
+from bristle_sim.scene.impacts import EngineLaw, contact_at
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.strike import Chain, build_strike
@@ -30,7 +29,7 @@ class TestEngineLaw:
 
         With friction that is so in compression; the clamp then takes what is left of slip as it comes.
         """
-        monkeypatch.setattr(engine_law, "ENGINE_ITERATIONS", 100)
+        monkeypatch.setattr(impacts, "ENGINE_ITERATIONS", 100)
         chain = Chain((2.0,), (1.0,), (-0.6,), (1.0,))
         surface = Surface(friction, None, restitution)
         scene, state, obstacle, _ = build_strike(chain, surface)

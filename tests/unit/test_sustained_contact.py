@@ -65,7 +65,6 @@ def test_forces_on_several_links_are_read_after_an_odd_number_of_plain_steps() -
     rigid = RigidContacts(scene, [ClosedPair(pair)])
     rigid.engage(state)
     scene.place(state)
-    rigid.begin(1e-6)
     scene.step(1e-6, 3)
     coupling = 0.5 * math.cos(0.5)
     mass = np.array([[4.0 / 3.0, coupling], [coupling, 1.0 / 3.0]])
@@ -73,7 +72,7 @@ def test_forces_on_several_links_are_read_after_an_odd_number_of_plain_steps() -
     lever = np.array([math.sin(0.7), math.sin(0.2)])
     force = -(lever @ np.linalg.solve(mass, load)) / (lever @ np.linalg.solve(mass, lever))
     # The steps move the rods by 1e-11.
-    assert sums_of(rigid.totals(), 0).normal == pytest.approx(force, rel=1e-6)
+    assert sums_of(rigid.totals(1e-6), 0).normal == pytest.approx(force, rel=1e-6)
 
 
 @pytest.mark.parametrize("slip", [1, -1])
@@ -100,9 +99,8 @@ def test_the_normal_force_is_the_last_or_the_last_that_would_pull(
     """Per step of 0.5 the impulses are half the forces; the contact fails if one would pull."""
     state = State(0.0, (0.7,), (0.0,))
     _, rigid = closed(ROD, WorkpartPair(math.cos(0.7), 0.4, 0.4, 0.0), state)
-    rigid.begin(0.5)
     rigid.scene.joint_solver.impulses += [[(0.5 * push, -0.1 * push, 0.2)] for push in pushes]
-    totals = rigid.totals()
+    totals = rigid.totals(0.5)
     assert sums_of(totals, 0).normal == pytest.approx(force)
     assert rigid.fails(totals) is (force < 0.0)
     sums = sums_of(totals, 0)

@@ -15,11 +15,11 @@ modules below it in this list:
 - ``locate``: the instant of an event, by a root finder; ``events``: the kinds of events, and the
   functions whose sign changes mark them.
 - ``system``: the state, the plan and the record of a run.
-- ``impacts``: the response of a contact point to an impulse, and the impact laws; ``compliant``,
-  ``engine_law``: further contact laws.
-- ``spring``: a contact with springs; ``spring_force``: its forces on the bodies; ``contact``:
-  sustained contacts, and the forces of rigid contacts.
+- ``compliant``: the law of contacts with springs; ``spring``: such a contact, and its forces on the
+  bodies.
 - ``extrapolation``: the integrator: engine steps, extrapolated to the step zero.
+- ``contact``: sustained contacts, and the forces of rigid contacts.
+- ``impacts``: the response of a contact point to an impulse, and the impact laws.
 - ``build``: the pymunk space of a mechanism, and the engine's steps.
 - ``solver``: joint and contact forces of several links; ``link_velocity``: contact forces of a
   single link.

@@ -225,7 +225,7 @@ class Scene:
         self,
         length: float,
         count: int,
-        act: Callable[[], None] | None = None,
+        acts: Sequence[Callable[[], None]] = (),
         *,
         symmetric: bool = False,
         middle: list[list[float]] | None = None,
@@ -235,7 +235,7 @@ class Scene:
         Args:
             length: length of a step.
             count: number of steps; even for symmetric steps.
-            act: function that is called before each step.
+            acts: functions that are called before each step.
             symmetric: whether the steps are symmetric in time. The bodies must then have been
                 placed where they would have been half a step earlier.
             middle: list to which the function appends the angles and angular velocities of all
@@ -252,6 +252,7 @@ class Scene:
         self._last_length = length
         if symmetric:
             self.joint_solver.begin_symmetric()
+        self.joint_solver.impulses = []
         engine_step = self._engine_step
         solve = self._solve
         half = count // 2
@@ -264,7 +265,7 @@ class Scene:
                 middle.append([*map(angle, links), *map(rate, links)])
             if left == last:
                 before = [*map(rate, links)]
-            if act is not None:
+            for act in acts:
                 act()
             engine_step(length)
             if solve is not None:

@@ -178,8 +178,7 @@ class ActiveContact(ClosedPair):
 class RigidContacts:
     """The rigid contacts of a smooth motion, whose forces are solved for together with the joints.
 
-    The motion ends when the normal force of a contact reaches zero. In steps that are symmetric in
-    time each force is the mean of two successive steps, in which their opposite errors cancel.
+    The motion ends when the normal force of a contact reaches zero.
 
     Attributes:
         scene: the scene.
@@ -188,14 +187,10 @@ class RigidContacts:
             contact of a single link that does not slip.
     """
 
-    symmetric = True  # rigid contacts act alike forwards and backwards in time
-
     def __init__(self, scene: Scene, closed: Sequence[ClosedPair]) -> None:
         self.scene = scene
         self.closed = closed
         self._solver = scene.joint_solver
-        self._paired = False
-        self._step = 0.0
 
     def engage(self, state: State) -> None:
         """Keep the contacts closed in all further steps, which start from ``state``.
@@ -211,35 +206,28 @@ class RigidContacts:
                 contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
         self.scene.keep_closed(self.closed)
 
-    def begin(self, step: float, *, symmetric: bool = False) -> None:
-        """Discard the recorded impulses; the solver records new impulses in each step.
-
-        Args:
-            step: length of a step.
-            symmetric: whether steps are symmetric in time.
-        """
-        self._step = step
-        self._paired = symmetric
-        self._solver.impulses = []
-
-    def totals(self) -> list[float]:
-        """Return the values of ``Sums`` of all contacts in one list.
+    def totals(self, step: float, *, symmetric: bool = False) -> list[float]:
+        """Return the values of ``Sums`` of all contacts in one list, after the last step.
 
         The normal force is that of the last step. If a contact would have had to pull in one or
         more steps, the normal force is that of the last of these steps.
+
+        Args:
+            step: length of a step.
+            symmetric: whether the steps are symmetric in time. Each force is then the mean of two
+                successive steps, in which their opposite errors cancel.
         """
         found = list[float]()
         for each in zip(*self._solver.impulses, strict=True):
             pushes, rubs, slips = zip(*each, strict=True)
             normal: Sequence[float] = pushes
             tangential = rubs[-1]
-            if self._paired:
+            if symmetric:
                 normal = [0.5 * sum(pair) for pair in zip(pushes[::2], pushes[1::2], strict=True)]
                 tangential = 0.5 * (rubs[-2] + tangential)
             last = ([push for push in normal if push < 0.0] or normal)[-1]
             work = sum(map(mul, rubs, slips))
-            force = (last / self._step, tangential / self._step)
-            found += [*force, sum(pushes), sum(rubs), 0.0, work, 0.0]
+            found += [last / step, tangential / step, sum(pushes), sum(rubs), 0.0, work, 0.0]
         return found
 
     def fails(self, totals: Sequence[float]) -> bool:

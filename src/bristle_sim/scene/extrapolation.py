@@ -17,9 +17,10 @@ from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
 from operator import mul
 from types import MappingProxyType
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact import RigidContacts
 from bristle_sim.scene.mechanism import State
 
 PLACING_COST = 6.0
@@ -45,34 +46,11 @@ and the error estimate would miss the error."""
 LEAST_GAIN = 0.1
 
 
-class Load(Protocol):
-    """Interface between an integrator and the forces of all contacts in a smooth motion.
+SpringForce = Callable[[float], tuple[Callable[[], None], Callable[[], list[float]]]]
+"""Function that begins the force of a contact with a spring, for steps of a given length.
 
-    Attributes:
-        symmetric: whether the forces are the same forwards and backwards in time.
-    """
-
-    symmetric: bool
-
-    def begin(self, step: float, *, symmetric: bool = False) -> Callable[[], None] | None:
-        """Set impulses and work to zero, and return the function to call before each step.
-
-        Return None if no call is needed.
-
-        Args:
-            step: length of a step.
-            symmetric: whether steps are symmetric in time.
-        """
-
-    def totals(self) -> list[float]:
-        """Return forces, impulses and work of all contacts in one list, after the last step.
-
-        The list holds the values of :class:`bristle_sim.scene.contact.Sums` of one contact after
-        the other.
-        """
-
-    def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether a contact would have to pull to stay closed."""
+It returns two functions. The first is called before each step, and applies the force. The second is
+called after the last step, and returns the values of :class:`bristle_sim.scene.contact.Sums`."""
 
 
 class IntervalResult(NamedTuple):
@@ -217,7 +195,12 @@ class Extrapolation:
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(
-        self, scene: Scene, state: State, duration: float, load: Load | None = None
+        self,
+        scene: Scene,
+        state: State,
+        duration: float,
+        rigid: RigidContacts | None = None,
+        springs: Sequence[SpringForce] = (),
     ) -> IntervalResult:
         """Integrate over an interval, repeatedly with smaller steps until its error is permitted.
 
@@ -227,10 +210,12 @@ class Extrapolation:
             scene: the scene.
             state: state at the interval's start.
             duration: length of the interval.
-            load: forces of all contacts; None without contacts.
+            rigid: the rigid contacts; None without rigid contacts.
+            springs: forces of the contacts with springs. They act differently forwards and
+                backwards in time, so with them no step is symmetric.
         """
-        symmetric = scene.mechanism.jointed and (load is None or load.symmetric)
-        halved = load is None and not symmetric
+        symmetric = scene.mechanism.jointed and not springs
+        halved = rigid is None and not (springs or symmetric)
         table = self.table = EVEN if symmetric else HALVED if halved else self._given
         least = 3 if symmetric or self.noise > FEW_REPETITIONS else 4
         known: dict[int, float] = {}
@@ -242,16 +227,19 @@ class Extrapolation:
         for row, count in enumerate(table.counts[: bisect(table.noise, self.noise)]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
-            act = None if load is None else load.begin(step, symmetric=symmetric)
+            begun = [spring(step) for spring in springs]
+            acts = [act for act, _ in begun]
             values = scene.step(
-                step, count, act, symmetric=symmetric, middle=halves if halved else None
+                step, count, acts, symmetric=symmetric, middle=halves if halved else None
             )
             results.append(values)
-            if load is not None:
-                values += load.totals()
-                failed = load.fails(values[3 * links :])
+            if rigid is not None:
+                values += rigid.totals(step, symmetric=symmetric)
+                failed = rigid.fails(values[3 * links :])
                 if failed:
                     break
+            for _, read in begun:
+                values += read()
             if row + 1 >= least:
                 columns = [*zip(*results, strict=True)]
                 differences = table.differences[row]

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
-from bristle_sim.scene.extrapolation import IntervalResult, Load
+from bristle_sim.scene.extrapolation import IntervalResult, SpringForce
 from bristle_sim.scene.locate import Interval
 from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import SpringContact
-from bristle_sim.scene.spring_force import follow_bodies
 from bristle_sim.scene.system import GAP_ROUNDING, MOST_GROWTH, System
 from bristle_sim.settings import StopReason
 
@@ -60,7 +59,7 @@ class Motion:
         contacts: the active contacts, the rigid ones first once the motion has begun.
         separating: pairs that have been released but whose gaps are still closed.
         rigid: forces of the rigid contacts; None without rigid contacts.
-        load: forces of all contacts; None without contacts.
+        forces: forces of the contacts with springs.
         limit: longest next interval, in engine time units. It is short at the beginning of a
             contact, which may end at once.
         release_in: length of the next interval that is expected to contain the release of a rigid
@@ -74,7 +73,7 @@ class Motion:
     contacts: tuple[ActiveContact, ...] = ()
     separating: tuple[ContactPair, ...] = ()
     rigid: RigidContacts | None = None
-    load: Load | None = None
+    forces: Sequence[SpringForce] = ()
     limit: float = math.inf
     release_in: float = math.inf
     before: IntervalResult | None = None
@@ -143,14 +142,16 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     start = system.state
     first = motion.before is None
     for spring in motion.springs:
-        follow_bodies(system.scene, start, spring)
+        spring.follow_bodies(system.scene, start)
     length = _proposed(system, motion)
     known: dict[float, IntervalResult] = {}
 
     def integrate_to(time: float) -> IntervalResult:
         """Return the result at a time after the interval's start, computed once for each time."""
         if time not in known:
-            known[time] = system.stepper.advance(system.scene, start, time, motion.load)
+            known[time] = system.stepper.advance(
+                system.scene, start, time, motion.rigid, motion.forces
+            )
         return known[time]
 
     result = integrate_to(length)
@@ -296,7 +297,7 @@ def _proposed(system: System, motion: Motion) -> float:
     stepper = system.stepper
     left = plan.end - system.state.time
     # In a flight of rigid bristles the middle of an interval is a sample too.
-    samples = 2.0 if motion.load is None and not system.mechanism.jointed else 1.0
+    samples = 2.0 if not motion.contacts and not system.mechanism.jointed else 1.0
     longest = min(
         samples * plan.longest_interval,
         plan.damped_interval,

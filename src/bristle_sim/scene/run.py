@@ -23,8 +23,7 @@ from bristle_sim.scene.events import (
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion, accept, integrate, motion_events
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.spring import SpringContact
-from bristle_sim.scene.spring_force import ContactLoad
+from bristle_sim.scene.spring import SpringContact, spring_forces
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import GAP_ROUNDING, System
 from bristle_sim.scene.touches import first_event
@@ -173,9 +172,8 @@ def begin_motion(system: System, given: Motion) -> Motion:
     for contact in active:
         contact.start = contact.start or system.state
         contact.force = None
-    if active:
-        motion.load = ContactLoad(system.scene, motion.rigid, springs) if springs else motion.rigid
     if springs:
+        motion.forces = spring_forces(system.scene, springs)
         system.sample({spring: spring.sample(system.closest, system.state) for spring in springs})
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)

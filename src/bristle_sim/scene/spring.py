@@ -9,14 +9,19 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from pymunk._chipmunk_cffi import lib
 
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import ActiveContact, Outcome
-from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.mechanism import State, Vector
+from bristle_sim.scene.extrapolation import Extrapolation, SpringForce
+from bristle_sim.scene.impacts import contact_at
+from bristle_sim.scene.mechanism import State, Vector, xy
 from bristle_sim.scene.pairs import Closest, WorkpartPair
 from bristle_sim.theory.contact_spring import ContactSpring
 from bristle_sim.trajectory import ContactHistory, ContactRecord
@@ -24,8 +29,7 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord
 LEAST_PHASE = 1e-6
 """Least normal impulse of a phase that the record names, as a fraction of the normal impulse of the
 contact. Stick always ends in a short slip, which is not named: just before separation the force is
-too small to keep the contact point from slipping. The shorter the contact, the shorter this slip.
-"""
+too small to keep the contact point from slipping."""
 
 NO_SLIP_TO_STOP = 1e-14
 """Least ratio K_tt/K_nn of tangential to normal inverse mass. A smaller K_tt is rounding error: the
@@ -48,8 +52,7 @@ SHORTEST_SWING = 1e-3
 """Shortest half period of a tangential spring's oscillation that is simulated, as a fraction of the
 contact's duration. At the deepest point the force oscillates between the friction of compression
 and the friction of restitution. Faster oscillations are replaced by their mean, the phase "slip at
-rest". The deepest penetration then has a relative error of less than a tenth of this fraction. The
-simulation of a thousand half periods would take some 300,000 engine steps."""
+rest". The deepest penetration then has a relative error of less than a tenth of this fraction."""
 
 
 class SpringPhase(NamedTuple):
@@ -118,6 +121,11 @@ class SpringContact(ActiveContact):
     def penetration(self, closest: Closest, state: State) -> float:
         """Return the penetration in a state; ``closest`` is ``System.closest``."""
         return self.surface - closest(self.pair, state).gap
+
+    def follow_bodies(self, scene: Scene, state: State) -> None:
+        """Update the inverse mass matrix in stick and in slip at rest, where forces depend on it."""
+        if self.at_rest or not self.slip:
+            self.inverse_mass = contact_at(scene.mechanism, state, self.pair).inverse_mass
 
     def sample(self, closest: Closest, state: State) -> float:
         """Record a sample of forces and motion at a state; return the normal force."""
@@ -220,8 +228,6 @@ class SpringContact(ActiveContact):
     def rest_margins(self, penetration: float, force: float) -> Vector:
         """Return the margins of the tangential force to its two limits in the phase "slip at rest".
 
-        In this phase the contact point slips at constant penetration.
-
         Returns:
             The margin to the friction of restitution, at which the contact point begins to move out
             of the surface.
@@ -239,8 +245,7 @@ class SpringContact(ActiveContact):
     def least_slip_at_rest(self) -> float:
         """Least velocity of slip at constant penetration; 0 without a tangential spring.
 
-        At a smaller velocity the tangential spring's oscillation at the greatest penetration is
-        slow enough to be simulated.
+        Below it the tangential spring oscillates slowly enough to be simulated.
         """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (law.deepest or 0.0)
@@ -269,3 +274,76 @@ class SpringContact(ActiveContact):
         self.stick_force = force
         self.foot = self.law.foot(place, force)
         return abs(force) >= limit * (1.0 - EDGE_ROUNDING)
+
+
+def spring_forces(scene: Scene, springs: Sequence[SpringContact]) -> list[SpringForce]:
+    """Return the functions with which an integrator applies the forces of contacts with springs."""
+    return [partial(_begin_force, scene, spring) for spring in springs]
+
+
+def _begin_force(
+    scene: Scene, spring: SpringContact, step: float
+) -> tuple[Callable[[], None], Callable[[], list[float]]]:
+    """Begin the force of a contact, in its present phase, for steps of the length ``step``.
+
+    Without a tangential spring, the tangential force in stick cancels in each step of length h the
+    slip velocity v_t of the previous step: -(K_nt N + v_t/h)/K_tt, with the normal force N and the
+    contact-space inverse mass matrix K. In slip at rest it cancels the normal velocity v_n instead:
+    -(K_nn N + v_n/h)/K_nt. The force of the second step is taken for that at the interval's
+    beginning, the force of a further step for that at its end. The errors of both are power series
+    in h, so extrapolation removes them.
+
+    Returns:
+        The functions that ``SpringForce`` describes.
+    """
+    pair = spring.pair
+    law = spring.law
+    link = scene.mechanism.links[pair.link]
+    body = scene.links[pair.link]._body
+    corner = xy(link.corners[pair.corner] - link.centre)
+    push = partial(lib.cpBodyApplyForceAtWorldPoint, body)
+    place_of = partial(lib.cpBodyLocalToWorld, body, corner)
+    velocity_of = partial(lib.cpBodyGetVelocityAtLocalPoint, body, corner)
+    stiffness = law.stiffness * law.steepness
+    height = spring.surface - law.residual - pair.depth - pair.dent
+    foot = spring.foot
+    ratio = -law.coefficient * spring.slip
+    stop_slip = stop_normal = rigidity = 0.0
+    if spring.elastic and not spring.slip:
+        rigidity = law.stiffness / law.compliance
+    normal_gain, coupling = spring.inverse_mass[0]
+    if spring.at_rest:
+        ratio = -normal_gain / coupling
+        stop_normal = 1.0 / (coupling * step)
+    elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
+        ratio = -coupling / tangential
+        stop_slip = 1.0 / (tangential * step)
+    pushes = loss = heat = 0.0
+    rubs: list[float] = []
+
+    def act() -> None:
+        nonlocal pushes, loss, heat
+        place = place_of()
+        velocity = velocity_of()
+        x = place.x
+        y = place.y
+        u = velocity.x
+        v = velocity.y
+        normal = stiffness * (height - y)
+        along = ratio * normal - stop_slip * u - stop_normal * v - rigidity * (x - foot)
+        push((along, normal), (x, y))
+        pushes += normal
+        loss += normal * v
+        heat += along * u
+        rubs.append(along)
+
+    def read() -> list[float]:
+        place = place_of()
+        velocity = velocity_of()
+        normal = stiffness * (height - place.y)
+        along = ratio * normal - stop_slip * velocity.x - stop_normal * velocity.y
+        along -= rigidity * (place.x - foot)
+        impulse = (step * pushes, step * sum(rubs))
+        return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
+
+    return act, read

@@ -14,8 +14,7 @@ from bristle_sim.scene.events import Kind
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
-from bristle_sim.scene.spring import SpringContact
-from bristle_sim.scene.spring_force import ContactLoad, follow_bodies
+from bristle_sim.scene.spring import SpringContact, spring_forces
 from bristle_sim.scene.system import System
 
 STOPS_TOGETHER = 1e-5
@@ -205,7 +204,7 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
         return False
     before = spring.stick_force
     spring.at_rest = True
-    follow_bodies(system.scene, system.state, spring)
+    spring.follow_bodies(system.scene, system.state)
     mean = _probe(system, motion, spring)[1].tangential_at_start
     holds = min(spring.rest_margins(law.deepest or 0.0, mean)) > 0.0
     spring.stick_force = mean if holds else before
@@ -227,7 +226,7 @@ def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
         _settle_foot(system, motion, spring)
         return
     spring.slip = 0
-    follow_bodies(system.scene, system.state, spring)
+    spring.follow_bodies(system.scene, system.state)
     probe, sums = _probe(system, motion, spring)
     spring.stick_force = force = sums.tangential_at_start
     penetration = spring.penetration(system.closest, system.state)
@@ -274,13 +273,13 @@ def _probe(system: System, motion: Motion, spring: SpringContact) -> tuple[Inter
         The result of the interval, and the contact's forces, impulses and work in it.
     """
     others = [other for other in motion.springs if other is not spring]
-    load = ContactLoad(system.scene, motion.rigid, [spring, *others])
+    forces = spring_forces(system.scene, [spring, *others])
     # If the last link is heavy, the time scale of slip, pi/sqrt(k K), is far below the contact's
     # duration.
     normal, coupling = spring.inverse_mass[0]
     law = spring.law
     most = (normal + law.coefficient * abs(coupling)) * law.stiffness * law.steepness
     length = PROBED_FRACTION * min(spring.duration, math.pi / math.sqrt(most) if most else math.inf)
-    probe = spring.stepper.advance(system.scene, system.state, length, load)
+    probe = spring.stepper.advance(system.scene, system.state, length, motion.rigid, forces)
     index = 0 if motion.rigid is None else len(motion.rigid.closed)
     return probe, sums_of(probe.totals, index)

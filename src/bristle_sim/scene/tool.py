@@ -18,8 +18,7 @@ from bristle_sim.fields import count, quantity
 from bristle_sim.parameters import START, Bristle, Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
-from bristle_sim.scene.engine_law import EngineLaw
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw
+from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.mechanism import Link, Mechanism
 from bristle_sim.scene.pairs import BarPair, ContactPair, WirePair, WorkpartPair
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
