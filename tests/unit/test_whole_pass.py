@@ -199,6 +199,22 @@ TOOLS = {
         bristle=Bristle(knee_angle_deg=9.7),
         bar=Bar(horizontal=0.0365),
     ),
+    # The integrated loss of half of them and of all samples happens to be the same; neither is exact.
+    "half of critical damping": Tool().replace(
+        hub_speed=109.8,
+        bristle_length=0.02295,
+        wire_diameter=0.0007926,
+        belt_damping_ratio=0.4916,
+        friction=0.2513,
+        restitution=0.6927,
+        belt_stiffness=0.179,
+        bar_radius=0.007151,
+        bar_horizontal=0.04383,
+        bar_vertical=0.02413,
+        penetration=0.00111,
+        knee_angle_deg=-34.94,
+        knee_position=0.8293,
+    ),
 }
 
 
@@ -212,7 +228,7 @@ def verdicts(tool: Tool, settings: Settings, run: Trajectory) -> dict[str, bool 
 
 
 @pytest.mark.parametrize("name", TOOLS)
-@pytest.mark.parametrize("settings", [SETTINGS, Settings(accuracy=1e-9, hub_turn=2.0)])
+@pytest.mark.parametrize("settings", [SETTINGS, Settings(accuracy=1e-9)])
 def test_invariants_are_kept(name: str, settings: Settings) -> None:
     rows = invariant_rows(TOOLS[name], settings, simulate(TOOLS[name], settings))
     assert [(row.name, row.simulated) for row in rows if row.ok is False] == []
