@@ -92,7 +92,6 @@ class ActiveContact(ClosedPair):
         work: work of the normal and of the tangential force since the start.
         force: normal force at the end of the last interval; None before the first interval.
         tangential: tangential force at the end of the last interval.
-        stopped: sense of the slip that has just stopped, 1 or -1; 0 if no slip has just stopped.
     """
 
     start: State | None = None
@@ -100,12 +99,6 @@ class ActiveContact(ClosedPair):
     work: tuple[float, float] = (0.0, 0.0)
     force: float | None = None
     tangential: float = 0.0
-    stopped: int = 0
-
-    def turn(self, sense: int) -> None:
-        """Set the sense of slip, 1 or -1, or 0 for a contact that sticks."""
-        self.stopped = (self.slip or 0) if sense == 0 else 0
-        self.slip = sense
 
     def add(self, sums: Sums) -> None:
         """Add the impulse and the work of an interval, and store the forces at its end."""

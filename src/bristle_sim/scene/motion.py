@@ -181,10 +181,10 @@ def _lost(
 ) -> Happening | None:
     """Return the event that ends a rigid contact or its stick; None if the interval is too long.
 
-    A contact that would have to pull is released. A contact whose tangential force exceeds the
-    friction limit begins to slip. A contact whose slip has just stopped is not released but slips
-    in the opposite sense: its normal force in stick depends on friction, which ends with the normal
-    force, and without friction the gap may still close.
+    A contact that would have to pull is released. A sticking contact whose tangential force exceeds
+    the friction limit begins to slip. If it would have to pull too, it is not released: its normal
+    force in stick depends on friction, which ends with the normal force, and in slip the contact
+    may push.
 
     Args:
         system: the run.
@@ -206,14 +206,10 @@ def _lost(
         for index, contact in enumerate(motion.ordered)
         if sums_of(result.totals, index).normal <= 0.0
     ]
-    if lost:
-        for contact in motion.ordered:
-            if first and contact.stopped:
-                return Happening(Kind.SLIPS, contact, -contact.stopped)
-        if length > plan.shortest:
-            shorter = length / MOST_GROWTH if first else 0.5 * length
-            motion.limit = max(min(shorter, motion.release_in), 0.5 * plan.shortest)
-            return None
+    if lost and length > plan.shortest:
+        shorter = length / MOST_GROWTH if first else 0.5 * length
+        motion.limit = max(min(shorter, motion.release_in), 0.5 * plan.shortest)
+        return None
     if slipping is None:
         return Happening(Kind.RELEASE, tuple(lost))
     sense = -1 if sums_of(result.totals, slipping).tangential > 0.0 else 1

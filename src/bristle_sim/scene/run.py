@@ -132,7 +132,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
     elif kind is Kind.DENT_LEFT:
         system.pairs[subject] = replace(system.pairs[subject], dent=0.0)
     elif kind is not Kind.KINK:
-        subject.turn(_sense_after(system, event))
+        subject.slip = _sense_after(system, event)
     return motion if system.recording.stop_reason is not None else begin_motion(system, motion)
 
 
