@@ -7,7 +7,7 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface
 from bristle_sim.render.wire_pictures import WireFilm
 from bristle_sim.settings import Settings
-from bristle_sim.studies.flexible_wire import again, flexible_wire, wire_study
+from bristle_sim.studies.flexible_wire import flexible_wire, second_touch, wire_study
 
 SMOOTH = Surface(0.0)
 
@@ -65,7 +65,7 @@ def test_the_answer_has_both_sides_and_says_whether_the_wire_touches_again(short
         Settings(1e-4),
     )
     report = flexible_wire(*parts, with_reference=False)
-    found = again(report.subject.wire)
+    found = second_touch(report.subject.wire)
     assert found is not None
     # By the second strike that starts from the wire's state then: its end approaches the workpart there.
     assert (

@@ -203,12 +203,12 @@ def flexible_wire(
         ),
         remarks=tuple(remarks),
         subject=FlexibleWire(struck, wire, rigid),
-        answer=_answer(bristle.links, own, stiff, again(wire)),
+        answer=_answer(bristle.links, own, stiff, second_touch(wire)),
     )
 
 
 def _answer(
-    links: int, own: Mapping[str, float], stiff: Mapping[str, float], again: float | None
+    links: int, own: Mapping[str, float], stiff: Mapping[str, float], second: float | None
 ) -> str:
     wire, rigid = (
         [amount(each[name], unit) for name, (_, unit) in MEASURES.items()] for each in (own, stiff)
@@ -217,12 +217,12 @@ def _answer(
         f"With {links} links the impulse is {wire[0]}, the largest force {wire[1]} and the crater {wire[3]} deep; the rigid"
         f" bristle at the same contact stiffness has {rigid[0]}, {rigid[1]} and {rigid[3]}."
     )
-    if again is None:
+    if second is None:
         return found
-    return f"{found} The wire's end touches again {amount(again, 's')} after the first touch, which these numbers leave out."
+    return f"{found} The wire's end touches again {amount(second, 's')} after the first touch, which these numbers leave out."
 
 
-def again(wire: ChainStrike) -> float | None:
+def second_touch(wire: ChainStrike) -> float | None:
     """Return the time from the first to the second touch of the wire's end, s; None without one."""
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)

@@ -47,7 +47,7 @@ def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
 
 
 def evaluate_in_turn(function: Function, values: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-    """Evaluate a function at every point of arrays, one point after the other.
+    """Evaluate a function of numbers at each entry of arrays, one entry after the other.
 
     Args:
         function: function of keyword arguments that returns numbers by name.

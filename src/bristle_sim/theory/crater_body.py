@@ -63,7 +63,7 @@ class Paraboloid:
         return 4.0 * self.depth * np.add.outer((y / self.width) ** 2, (x / self.length) ** 2)
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return how far the crater extends at a height above its lowest point, all in m.
+        """Return the crater's extent at a height (m) above its lowest point, m.
 
         Returns:
             The least x, the largest x and the largest y of the region below this height.
@@ -104,7 +104,7 @@ class SweptTip:
     face: TipFace = PRINTED_FACE
 
     @property
-    def stretch(self) -> float:
+    def length_ratio(self) -> float:
         """Ratio of the crater's length to its depth, cot(gamma) + cot(phi).
 
         gamma is the impact angle, phi the angle of the tip's face to the surface.
@@ -114,7 +114,7 @@ class SweptTip:
     @property
     def length(self) -> float:
         """Length of the crater's outline along the slide, m."""
-        return self.depth * self.stretch
+        return self.depth * self.length_ratio
 
     @property
     def width(self) -> float:
@@ -140,17 +140,17 @@ class SweptTip:
         edge = np.where(sine <= 1.0 + ROUNDING, edge, math.inf)
         ahead = x - self.lowest
         slope = math.tan(self.impact_angle)
-        floor = np.add.outer(edge * slope * self.stretch, -ahead * slope)
+        floor = np.add.outer(edge * slope * self.length_ratio, -ahead * slope)
         return np.maximum(floor, ahead * math.tan(self.face.face_angle))
 
     def reach(self, height: float) -> tuple[float, float, float]:
-        """Return how far the crater extends at a height above its lowest point, all in m.
+        """Return the crater's extent at a height (m) above its lowest point, m.
 
         Returns:
             The least x, the largest x and the largest y of the region below this height.
         """
         start = self.lowest - height / math.tan(self.impact_angle)
-        return start, start + height * self.stretch, 0.5 * float(self.face.width(height))
+        return start, start + height * self.length_ratio, 0.5 * float(self.face.width(height))
 
     def area(self) -> float:
         """Return the area of the crater's outline on a plane surface, m^2.
@@ -161,7 +161,7 @@ class SweptTip:
         """
         last, sine, above = self._edge(self.depth)
         section = 2.0 * above * sine + self.face.full_depth * (last + sine * np.cos(last))
-        return float(0.5 * self.face.short_axis * section * self.stretch)
+        return float(0.5 * self.face.short_axis * section * self.length_ratio)
 
     def volume(self, depth: ArrayLike | None = None) -> Number:
         """Return the volume of the crater below the plane surface, m^3.
@@ -174,7 +174,7 @@ class SweptTip:
         full = self.face.full_depth
         squares = 2.0 * above**2 * sine + 2.0 * above * full * (last + sine * np.cos(last))
         cubes = full**2 * (2.0 * sine - 2.0 / 3.0 * sine**3)
-        return 0.25 * self.face.short_axis * (squares + cubes) * self.stretch
+        return 0.25 * self.face.short_axis * (squares + cubes) * self.length_ratio
 
     def _edge(self, depth: ArrayLike) -> tuple[Number, Number, Number]:
         """Return where the edge of the elliptic face meets the surface, for a depth of the tip (m).

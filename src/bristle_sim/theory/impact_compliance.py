@@ -145,7 +145,7 @@ class Course:
                 totals = [row.copy() for row in self.totals]
                 self.kept = totals, contact.normal, contact.tangential
             if event is Event.NEVER:
-                return self.held()
+                return self.end_without_release()
             if event is Event.APART:
                 return REBOUND if contact.normal > 0.0 else NO_REBOUND
             if deepest and contact.restitution == 0.0:
@@ -155,7 +155,7 @@ class Course:
             fades = not loading and contact.stick == 0.0
             limited = slip == 0.0 or contact.restitution < LEAST_EXACT or fades
             self.phases = self.phases + 1 if limited else 0
-            self.turn(event, slip)
+            self.apply(event, slip)
 
     def add(self, sums: Sums, slip: float) -> None:
         """Add the impulses and works of a phase to the totals."""
@@ -165,7 +165,7 @@ class Course:
         if sums[0] > 0.0:
             totals[4] = slip
 
-    def held(self) -> int:
+    def end_without_release(self) -> int:
         """Return the outcome of an impact without end, and set the contact back to ``kept``.
 
         The outcome is a jam if the point moves into the surface, otherwise stiction.
@@ -176,7 +176,7 @@ class Course:
             self.totals, contact.normal, contact.tangential = self.kept
         return JAM if pressed else STICTION
 
-    def turn(self, event: Event, slip: float) -> None:
+    def apply(self, event: Event, slip: float) -> None:
         """Apply an event to the contact, and select the next phase.
 
         An event can change the stiffness, the coefficient of friction, the tangential force and the

@@ -307,14 +307,14 @@ def _phase(
         return _NOTHING
     sticks = slip == 0.0
     ratio = -mu * slip
-    # The normal gain follows from the tangential one; so both belong to one mu even where rounding
-    # decides them.
+    # The normal rate is computed from the tangential rate. Rounding error then changes both rates as
+    # a small change of mu would.
     tangential_rate = mass.coupling - mu * slip * mass.tangential
     normal_rate = mass.stick - mass.stick_ratio * tangential_rate
     if target is not None:
         at_rest = (slip * mass.coupling > 0.0) & (normal_rate <= 0.0)
-        # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree
-        # of freedom.
+        # In slip at rest the tangential rate K_nt + r K_tt is -(K_nn K_tt - K_nt^2)/K_nt. The response
+        # in stick gives this difference without cancellation.
         coupling = abs(mass.coupling)
         slowing = -slip * quotient(mass.stick * mass.tangential, coupling)
         ratio = select(at_rest, -slip * quotient(mass.normal, coupling), ratio)
@@ -331,7 +331,7 @@ def _phase(
 
     slows = state.tangential * tangential_rate < 0.0
     stop = select(slows, quotient(abs(state.tangential), abs(tangential_rate)), INFINITE)
-    # Slip and compression of one degree of freedom stop at one impulse, up to rounding.
+    # With one degree of freedom, slip and compression stop at the same impulse, up to rounding error.
     stopped = active & (stop <= finish * (1.0 + SINGULAR)) & (stop < INFINITE)
     finished = active & (finish <= stop * (1.0 + SINGULAR)) & (finish < INFINITE)
     step = select(finished, finish, select(stopped, stop, 0.0))
@@ -340,7 +340,7 @@ def _phase(
     tangential = select(stopped, 0.0, state.tangential + tangential_rate * step)
     work_normal = 0.5 * step * (state.normal + normal)
     work_tangential = 0.5 * ratio * step * (state.tangential + tangential)
-    # Compression ends at rest, exactly.
+    # The normal velocity at the end of compression is exactly 0.
     state.normal = select(finished & (state.normal < 0.0), 0.0, normal)
     state.tangential = tangential
     state.impulse = state.impulse + step

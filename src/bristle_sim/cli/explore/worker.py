@@ -104,7 +104,7 @@ class Worker:
         return dict(found)
 
     def stop(self) -> None:
-        """Stop the present computation; after GRACE seconds without :meth:`rest` end the process."""
+        """Stop the present computation, and end the process if this takes more than GRACE seconds."""
         with contextlib.suppress(OSError):  # the process has ended
             self._send(None)
         self._end_after(GRACE, STOPPED)
