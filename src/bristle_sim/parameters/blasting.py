@@ -35,7 +35,7 @@ class Blasting(Declared):
     """
 
     crater_rule: str = choice(
-        "crater_rule: depth of a crater where it meets earlier ones: it removes the volume that its energy affords, or ends at"
+        "crater_rule: depth of a crater where it meets earlier ones: it removes the volume that its energy can cut, or ends at"
         " a first crater's depth below the original plane, or goes as deep below the mean height of the ground under it"
         " [chosen: the hub follows the ground, so that every strike has the first one's energy]",
         *("energy", "plane", "ground"),
