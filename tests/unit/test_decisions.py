@@ -14,9 +14,9 @@ from bristle_sim.scene.events import Happening, Kind
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.impacts import ENERGETIC
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.motion import Motion, integrate
+from bristle_sim.scene.motion import Motion, accept, integrate
 from bristle_sim.scene.pairs import BarPair, WorkpartPair
-from bristle_sim.scene.run import begin_motion, decide, first_motion
+from bristle_sim.scene.run import begin_motion, decide, first_motion, run
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.spring_phases import pressed_on
 from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
@@ -274,3 +274,49 @@ def test_a_contact_in_the_rigid_limit_is_as_wrong_as_it_ends_beside_the_impact_l
     system.state = state._replace(rates=(0.5 + 1e-3,))
     decide(system, motion, Happening(Kind.UNLOADED, spring))
     assert system.recording.error == pytest.approx(error, rel=1e-9)
+
+
+def flying_rod(rate: float = -1.0) -> tuple[System, WorkpartPair]:
+    """A rod under gravity 1 whose tip touches a plane without friction and restitution."""
+    mechanism = Mechanism((Link.rod(1.0, 1.0),))
+    part = WorkpartPair(math.cos(0.9), 0.0, 0.0, 0.0)
+    scene = Scene(mechanism, Effects(pairs=(part,), gravity=1.0))
+    plan = Plan(1.0, 1e-6, longest_interval=0.1, maximum_steps=100_000)
+    return System(scene, State(0.0, (0.9,), (rate,)), Extrapolation(1e-9), plan), part
+
+
+@pytest.mark.parametrize(("time", "closed"), [(1e-12, True), (1e-3, False)])
+def test_a_pair_parts_until_its_gap_is_open(time: float, closed: bool) -> None:
+    """It opens at sin 0.9; 1e-11 counts as closed. A pair that has parted would take part in impacts elsewhere."""
+    system, part = flying_rod(1.0)
+    motion = begin_motion(system, Motion((), (part,)))
+    motion.limit = time
+    interval, _ = integrate(system, motion)
+    assert interval is not None
+    accept(system, motion, interval)
+    assert motion.separating == ((part,) if closed else ())
+
+
+def test_a_contact_of_a_rod_keeps_the_errors_of_intervals_alone() -> None:
+    """Geometry determines its motion from there on, whatever the error of impacts was; a slip has the errors of intervals."""
+    system, part = flying_rod(1.0)
+    motion = begin_motion(system, Motion((), (part,)))
+    errors = 0.0
+    for _ in range(2):
+        interval, _ = integrate(system, motion)
+        assert interval is not None
+        accept(system, motion, interval)
+        errors += interval.end.error
+    assert errors > 0.0
+    system.recording.error = 1.0
+    begin_motion(system, Motion((ActiveContact(part),)))
+    assert system.recording.error == pytest.approx(errors, abs=0.0)
+
+
+def test_a_motion_so_fast_that_rounding_exceeds_the_tolerance_ends_for_lack_of_accuracy() -> None:
+    """A rate of 1e9 has a rounding error of 1e-7 in an interval of any length; 1e-9 is permitted."""
+    system, _ = flying_rod(1e9)
+    system.pairs.clear()
+    for _ in run(system):
+        pass
+    assert system.recording.stop_reason is StopReason.ACCURACY

@@ -107,6 +107,20 @@ def test_motion_between_samples_is_that_of_a_run_stopped_there(tool: Tool):
         )
 
 
+def test_a_hop_of_one_interval_has_samples_enough_for_a_fine_run():
+    """Between the third and the fourth touch of the workpart; a polynomial through both ends and the middle is off by 2e-8."""
+    fine = Settings(accuracy=1e-8)
+    run = simulate(Tool(), fine)
+    touches = [contact.time for contact in run.contacts if contact.obstacle == "workpart"]
+    for part in (0.1, 0.3, 0.7, 0.9):
+        time = touches[2] + part * (touches[3] - touches[2])
+        turn = run.hub_speed * time
+        stopped = simulate(Tool(), dataclasses.replace(fine, hub_turn=turn))
+        found = run.at(stopped.time[-1])
+        off = np.abs(found.rates - stopped.rates[-1]).max()
+        assert off <= 1e-8 * np.abs(run.rates).max()
+
+
 def test_motion_at_an_impact_has_two_sides(run: Trajectory):
     strike = run.first_contact("workpart")
     assert strike is not None

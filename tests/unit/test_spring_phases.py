@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bristle_sim.parameters import Surface
+from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact import Outcome
 from bristle_sim.scene.events import Kind
@@ -12,8 +12,9 @@ from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.spring import SHORTEST_SWING, SpringContact
 from bristle_sim.scene.spring_phases import change_spring, look_up_slip
-from bristle_sim.scene.strike import Chain, build_strike
+from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.scene.system import Plan, System
+from bristle_sim.settings import Settings
 
 PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
 
@@ -136,3 +137,15 @@ def test_a_slip_within_its_error_sticks_from_the_first_touch_if_friction_suffice
     system.state = spring.start
     look_up_slip(system, Motion(), spring)
     assert (spring.slip == 0) == sticks
+
+
+def test_a_single_contact_does_not_end_as_its_rod_turns_through_a_right_angle() -> None:
+    """Only in a pass it would lie on the hub. Half the depth v T/2 past it, a level rod rebounds with e* of its rate.
+
+    The rod turns by 1e-3, so that its lever changes by 1e-6.
+    """
+    depth = 2.0 * 1e-3 / math.pi / (1.0 + 0.9)
+    chain = Chain((1.0,), (1.0,), (0.5 * math.pi + 0.5 * depth,), (-1.0,))
+    struck = strike(chain, Surface(0.0, None, 0.9), Contact("compliant", 1e-3), Settings())
+    assert min(struck.angles[:, 0]) < 0.5 * math.pi < struck.angles[0, 0]
+    assert struck.contact.rates_after[0] == pytest.approx(0.9, rel=1e-5)
