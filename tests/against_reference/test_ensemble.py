@@ -207,6 +207,29 @@ def test_what_happens_between_two_samples_is_found(values: dict[str, float]):
         assert many.contact_time == pytest.approx(strike.time, rel=1e-7)
 
 
+TAPS_WITH_THE_LAST_BIT_OF_ITS_FLANK = {
+    "hub_speed": 356.541, "bristle_length": 0.0352759, "hub_radius": 0.0302085, "wire_diameter": 0.00189037,
+    "belt_stiffness": 0.00439413, "belt_damping_ratio": 1.51195, "friction": 0.820507, "restitution": 0.0843483,
+    "bar_friction": 0.0, "bar_restitution": 0.20702, "bar_radius": 0.00110296, "bar_horizontal": 0.0565111, "bar_vertical": -1.3e-5,
+    "penetration": 0.00962864, "gravity": 379.822,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {key: float(each[14116]) for key, each in random_tools(20_000, 1).items()},
+        TAPS_WITH_THE_LAST_BIT_OF_ITS_FLANK,
+    ],
+)
+def test_the_lowest_of_many_taps_is_found(values: dict[str, float]):
+    """The gap closes for a moment and opens again: one segment would contain its maximum and its minimum."""
+    many = bs.ensemble(**values)
+    run = bs.simulate_reference(bs.Tool().replace(**values), accuracy=1e-11, stop_after="strike")
+    expected = measured(bs.Tool().replace(**values), run)["lag_at_contact"][0]
+    assert many.lag_at_contact == pytest.approx(expected, abs=1e-8)
+
+
 def thin_bars(count: int, seed: int, bar_seed: int) -> dict[str, Array]:
     """Random tools with bars of 10 um to 5 mm and wires of 10 um to 1 mm."""
     rng = np.random.default_rng(bar_seed)

@@ -57,6 +57,12 @@ BEND = 0.5
 """Longest path of the wire's end in a segment of a step near the bar, divided by the distance of the
 wire's centre line from the bar's centre when they touch."""
 
+HOPS = 2.0
+"""Longest step after a rebound from the bar, divided by ``hop``.
+
+A gap v t - a t^2/2 + j t^3/6 that closes has its maximum before 2/3 ``hop``, with ``hop`` = 2 v/a. If
+it opens again, it has its minimum after 2 ``hop``. No segment of such a step contains both."""
+
 FASTER = 2.0
 """Assumed bound of a gap's derivative within a segment that has a minimum, divided by the larger of
 the magnitudes of the derivative at the two ends."""
@@ -147,6 +153,7 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
         least = LEAST_BEND * ~passes.parting[near]
         longest = BEND / SEGMENT * np.maximum(passes.reach[near], least) / speed
         step[near] = np.minimum(step[near], longest)
+        np.minimum(step, HOPS * passes.hop, out=step, where=passes.parting)
     return step, near
 
 

@@ -64,6 +64,8 @@ class Passes:
             for a wire ahead of the bar.
         release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
             NaN before the first contact.
+        hop: rotation of the hub from the last rebound to the next touch of the bar if the gap's
+            second derivative stayed constant, rad; infinite if the wire would not touch it again.
         lowest: smallest relative angle so far, rad.
         error: estimated error of the relative angle (rad) and of the relative angular velocity
             divided by ``rate_scale``.
@@ -95,6 +97,7 @@ class Passes:
     side: Array
     release: Array
     release_angle: Array
+    hop: Array
     lowest: Array
     error: Array
 

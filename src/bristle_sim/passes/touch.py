@@ -27,6 +27,9 @@ from bristle_sim.theory.impact_phases import JAM, resolve_phases
 
 MOST_TOUCHES = 3000  # most touches of the bar in a pass; a restitution near 1 gives endlessly many
 
+HEIGHT_ROUNDING = 1e-14
+"""Height of the lowest rebound whose gap exceeds rounding error, divided by the bristle's length."""
+
 ROUNDING = 1e-15  # rounding error of an angle that follows from geometry, rad
 
 
@@ -54,7 +57,11 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     passes.error[:] = np.minimum(passes.error * (1.0 + amplified), 1.0)  # 1: any uncertainty
     # Without the bar the overlap would stay within the accuracy, and the gap would open again.
     passes.error[approach**2 < -2.0 * pressed * accuracy] = 1.0
-    # Rebounds that begin with the speed v last 2 v/(a (1 - e)) in all, here twice that time.
+    # A rebound with the speed v is v^2/(2 a) high and lasts 2 v/a.
+    hops = (pressed > 0.0) & (parting**2 > 2.0 * HEIGHT_ROUNDING * pressed)
+    passes.hop[:] = np.inf
+    np.divide(2.0 * parting, pressed, out=passes.hop, where=hops)
+    # All rebounds that follow last 2 v/(a (1 - e)) together, here twice that time.
     lost = pressed * (1.0 - parting / speed)
     lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
     stays = comes_to_rest(passes, at_end, held.pressure, lasting)
@@ -137,5 +144,6 @@ def lie(passes: Passes, accuracy: float) -> Chosen:
     advance(passes, lying_at, samples, np.arange(0), place, code, accuracy)
     passes.release[:] = passes.hub_angle
     passes.release_angle[:] = passes.angle
+    passes.hop[:] = np.inf
     passes.error[passes.error < 1.0] = ROUNDING
     return code
