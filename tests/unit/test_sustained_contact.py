@@ -1,6 +1,8 @@
 """Rigid sustained contacts, against geometry and values by hand."""
 
+import cmath
 import math
+from cmath import rect
 from dataclasses import replace
 from typing import Any
 
@@ -11,10 +13,18 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact import ActiveContact, RigidContacts, Sums, sums_of
 from bristle_sim.scene.events import Kind
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.extrapolation import Extrapolation, IntervalResult
+from bristle_sim.scene.locate import Interval
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.motion import Motion, integrate
-from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, WirePair, WorkpartPair
+from bristle_sim.scene.motion import Motion, accept, integrate
+from bristle_sim.scene.pairs import (
+    BarPair,
+    ClosedPair,
+    ClosestApproach,
+    ContactPair,
+    WirePair,
+    WorkpartPair,
+)
 from bristle_sim.scene.run import begin_motion, decide, run
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.system import Plan, System
@@ -24,7 +34,7 @@ ROD = Mechanism((Link.rod(2.0, 1.0),))
 
 
 def closed(
-    mechanism: Mechanism, pair: WorkpartPair, state: State
+    mechanism: Mechanism, pair: ContactPair, state: State
 ) -> tuple[ClosedPair, RigidContacts]:
     """A closed contact, and the forces that keep it closed."""
     contact = ClosedPair(pair)
@@ -254,3 +264,65 @@ def test_the_compliance_of_two_wires_is_that_over_both_free_rods() -> None:
         joined += 3.0 * lever**2
         free += 1.0 + 12.0 * about_centre**2
     assert rigid.compliance_in_slip(state, 0) == pytest.approx(joined / free, rel=1e-6)
+
+
+@pytest.mark.parametrize("bend", [0.5, -0.5])
+@pytest.mark.parametrize("piece", [0, 1])
+def test_a_contact_at_a_knee_is_one_of_the_segment_onto_which_the_bar_slides(
+    bend: float, piece: int
+) -> None:
+    """The normal is across this segment, whose end at the knee touches. Of both senses in which the hub carries the link one slides onto it."""
+    link = Link(1.0, 0.1, -0.5j, (0j, -0.5j, -0.5j - 0.5j * rect(1.0, bend)))
+    slides = 0
+    for speed in (1.0, -1.0):
+        mechanism = Mechanism((link,), 1.0, speed, 0.3)
+        pose = mechanism.poses(State(0.0, (0.4,), (0.0,)))[0]
+        joint, knee, tip = pose.corners
+        along = tip - knee if piece else knee - joint
+        normal = math.copysign(1.0, bend) * 1j * along / abs(along)
+        pair = BarPair(knee - 0.1 * normal, 0.08, 0.02, 0.0, 0.0, link=0)
+        arm = 1j * (knee - joint)
+        rate = -(pose.velocity * normal.conjugate()).real / (arm * normal.conjugate()).real
+        state = State(0.0, (0.4,), (rate,))
+        contact, _ = closed(mechanism, pair, state)
+        joint, knee, tip = mechanism.poses(State(1e-4, (0.4 + 1e-4 * rate,), (rate,)))[0].corners
+        along = tip - knee if piece else joint - knee
+        if ((pair.centre - knee) / along).real > 0.0:
+            slides += 1
+            assert contact.piece == piece
+    assert slides == 1
+
+
+TWO = Mechanism((Link.rod(1.0, 1.0),) * 2, 1.0, 0.0, 0.0, 2, 0.2)
+BESIDE = WirePair(0, 0, 1, 0, 0.5 * abs(cmath.exp(0.2j) - 1.0) * math.cos(0.7), 0.0, 0.0)
+"""Two rods whose roots are 2 sin 0.1 apart. At angles of -0.8 they lie side by side: the line of the roots is at -0.1 to the horizontal."""
+
+
+def ends_of(state: State) -> list[float]:
+    """The distance at each of the four ends: root and tip of the first rod, then of the second."""
+    return [BESIDE.closest(TWO.poses(state), state.rates, end).gap for end in range(4)]
+
+
+@pytest.mark.parametrize(("sense", "end"), [(1.0, 2), (-1.0, 1)])
+def test_two_wires_side_by_side_touch_at_the_end_that_approaches(sense: float, end: int) -> None:
+    """The tip of the first rod and the root of the second lie on the other rod; the first rod turns."""
+    state = State(0.0, (-0.8, -0.8), (sense, -0.5 * sense))
+    assert ends_of(state)[1:3] == pytest.approx([0.0, 0.0], abs=1e-12)
+    contact, _ = closed(TWO, BESIDE, state)
+    assert contact.piece == end
+
+
+def test_two_wires_that_have_rolled_past_each_other_touch_at_the_other_end() -> None:
+    scene = Scene(TWO, Effects(pairs=(BESIDE,)))
+    state = State(0.0, (-0.8, -0.8), (0.2, 0.2))
+    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-6))
+    motion = begin_motion(system, Motion((ActiveContact(BESIDE),)))
+    (contact,) = motion.ordered
+    assert motion.rigid is not None
+    assert motion.rigid.closed[0].piece == 1
+    rolled = State(1e-2, (-0.802, -0.802), (-0.2, -0.2))
+    end = IntervalResult(rolled, (0.0, 0.0), (*Sums(1.0),))
+    accept(system, motion, Interval(IntervalResult(state), end, lambda _: end))
+    gaps = ends_of(system.state)
+    assert gaps[2] < gaps[1] - 1e-6
+    assert contact.piece == 2
