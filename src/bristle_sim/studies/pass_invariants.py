@@ -146,17 +146,18 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     def error(flight: Array) -> float:
         """Return a bound of the error of the energy lost in a flight, J.
 
-        The loss over two intervals is compared with that over both as one. The rule's error is
-        proportional to the fifth power of the interval. The bound is twice the sum of the errors'
-        magnitudes, for the terms of higher order and an odd last interval.
+        The loss over each two neighbouring intervals is compared with that over both as one. The
+        rule's error is proportional to the fifth power of the interval. The bound is the sum of the
+        errors' magnitudes, in which all intervals but the first and the last one count twice.
         """
-        every_second = flight[::2]
-        intervals = 2 * (len(every_second) - 1)
-        pairs = lost(flight)[:intervals].reshape(-1, 2).sum(axis=1)
-        steps = np.diff(run.time[flight])[:intervals].reshape(-1, 2)
-        fine = (steps**5).sum(axis=1)
-        coarse = steps.sum(axis=1) ** 5
-        return float(2.0 * (abs(lost(every_second) - pairs) * fine / (coarse - fine)).sum())
+        steps = np.diff(run.time[flight])
+        over_both = np.array([lost(flight[i : i + 3 : 2])[0] for i in range(len(flight) - 2)])
+        excess = abs(over_both - pairs(lost(flight)))
+        return float((excess * pairs(steps**5) / (pairs(steps) ** 5 - pairs(steps**5))).sum())
+
+    def pairs(values: Array) -> Array:
+        """Return the sums of each two neighbouring values."""
+        return values[1:] + values[:-1]
 
     middle = 0.5 * (run.time[1:] + run.time[:-1])
     free = np.diff(run.time) > 0.0

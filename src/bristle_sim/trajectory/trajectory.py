@@ -170,12 +170,13 @@ class Trajectory(Motion):
         """Return a copy in which the contacts with bar and workpart have ``point`` and ``place``.
 
         The place is a corner of the centre line at the workpart, or the point of a straight segment
-        that is closest to the bar. Of several points that touch, it is the one that has the normal
-        velocity of the record.
+        that is closest to the bar. Of these points it is the one with the smallest sum of its gap
+        and the distance by which its normal velocity would miss that of the record within the run.
         """
         lines = self.centre_line @ (1.0, 1j)
         velocities = self.centre_line_velocity @ (1.0, 1j)
         rounding = CORNER_ROUNDING * tool.bristle.length
+        duration = float(self.time[-1] - self.time[0])
         contacts = []
         for contact in self.contacts:
             sample = int(abs(self.time - contact.time).argmin())
@@ -197,8 +198,7 @@ class Trajectory(Motion):
             else:
                 contacts.append(contact)
                 continue
-            missed = abs(speeds - contact.velocity_before[0])
-            missed[gaps > gaps.min() + rounding] = math.inf
+            missed = gaps + duration * abs(speeds - contact.velocity_before[0])
             place = complex(places[missed.argmin()])
             distances = abs(corners - place)
             corner = int(distances.argmin())
