@@ -164,13 +164,6 @@ class Mechanism:
         """
         return self.hub_start + self.hub_speed * time - link // self.wire_links * self.pitch
 
-    def wire(self, number: int) -> Mechanism:
-        """Return a mechanism that consists of one wire alone; ``number`` is its index."""
-        own = slice(number * self.wire_links, (number + 1) * self.wire_links)
-        return Mechanism(
-            self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch
-        )
-
     def poses(self, state: State) -> list[Pose]:
         """Return the positions and joint velocities of all links.
 
@@ -206,26 +199,6 @@ class Mechanism:
                 velocity = velocity + 1j * rates[number - 1] * (joint - carrier.joint)
             poses.append(link.pose(joint, velocity, exp(1j * angles[number])))
         return poses
-
-    def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
-        """Return the corners of a wire's centre line from root to tip, and their velocities.
-
-        Args:
-            time: times, shape (n,).
-            angles: angles of the links (rad), shape (n, links).
-            rates: angular velocities of the links, shape (n, links).
-
-        Returns:
-            Positions (x, y) and velocities, each of shape (n, corners, 2).
-        """
-        places: list[Array] = []
-        velocities: list[Array] = []
-        for pose, rate in zip(self.poses_at(time, angles.T, rates.T, np.exp), rates.T, strict=True):
-            for corner in pose.corners[1 if places else 0 :]:
-                places.append(corner)
-                velocities.append(pose.velocity + 1j * rate * (corner - pose.joint))
-        place, velocity = (np.stack(each, axis=1)[..., None] for each in (places, velocities))
-        return place.view(float), velocity.view(float)
 
     def speed_bound(self, state: State) -> float:
         """Return an upper bound of the speed of every point, and of two points' relative speed.

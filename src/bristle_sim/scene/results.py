@@ -13,9 +13,9 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.system import Recording, System
+from bristle_sim.scene.system import System
 from bristle_sim.scene.tool import Units
 from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
@@ -36,29 +36,16 @@ def trajectories_in_si(
     wall = clock.perf_counter() - recording.begun_wall
     cpu = clock.process_time() - recording.begun_cpu
     scene = system.scene
-    size = scene.mechanism.wire_links
     forces = np.array(recording.forces) * units.force
     found = []
     for number in range(scene.mechanism.wires):
-        mechanism = scene.mechanism.wire(number)
-        motion = columns(recording.states, slice(number * size, (number + 1) * size))
-        time, angles, rates = motion
-        line, velocity = mechanism.centre_line(*motion)
-        hub = mechanism.root_angle(time)
-        kinetic, potential = energies(mechanism, scene.effects, motion)
+        motion = motion_in_si(scene, units, recording.states, number)
         found.append(
             Trajectory(
-                time=time * units.time,
-                angles=angles,
-                rates=rates / units.time,
-                centre_line=line * units.length,
-                centre_line_velocity=velocity * units.velocity,
-                hub_angle=hub,
-                kinetic_energy=kinetic * units.energy,
-                potential_energy=potential * units.energy,
+                **motion,
                 normal_force=forces[:, number],
                 hub_speed=parameters["tool"]["hub"]["speed"],
-                events=_events(recording, scene, number, (time, hub - angles[:, 0]), units),
+                events=_events(system, units, number, motion),
                 contacts=contacts_in_si(recording.contacts, scene.mechanism, number, units),
                 stop_reason=recording.stop_reason or StopReason.END,
                 cost=Cost(
@@ -75,19 +62,51 @@ def trajectories_in_si(
     return tuple(found)
 
 
-def columns(states: Sequence[State], own: slice = slice(None)) -> tuple[Array, Array, Array]:
-    """Return the times, angles and angular velocities of n samples as arrays.
+def motion_in_si(
+    scene: Scene, units: Units, states: Sequence[State], wire: int = 0
+) -> dict[str, Array]:
+    """Return the motion and the energies of a wire at n samples, in SI units.
 
-    Their shapes are (n,), (n, links) and (n, links). ``own`` selects the links of one wire.
+    The keys are the names of the attributes of a ``Trajectory``. The potential energy is that of
+    belt, hinges and gravity.
     """
+    mechanism = scene.mechanism
+    effects = scene.effects
+    first = wire * mechanism.wire_links
+    own = slice(first, first + mechanism.wire_links)
     time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
-    return time, angles[:, own], rates[:, own]
+    poses = mechanism.poses_at(time, angles.T, rates.T, np.exp)[own]
+    angles = angles[:, own]
+    rates = rates[:, own]
+    hub = mechanism.root_angle(time, first)
+    kinetic = np.zeros(len(time))
+    potential = 0.5 * effects.stiffness * (angles[:, 0] - hub) ** 2
+    for number, (stiffness, _) in enumerate(effects.hinges):
+        potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
+    places: list[Array] = []
+    velocities: list[Array] = []
+    for link, pose, rate in zip(mechanism.links[own], poses, rates.T, strict=True):
+        velocity = pose.velocity + 1j * rate * pose.to_centre
+        kinetic += 0.5 * link.mass * np.abs(velocity) ** 2 + 0.5 * link.inertia * rate**2
+        potential += effects.gravity * link.mass * (pose.joint + pose.to_centre).imag
+        for corner in pose.corners[1 if places else 0 :]:
+            places.append(corner)
+            velocities.append(pose.velocity + 1j * rate * (corner - pose.joint))
+    line, moving = (np.stack(each, axis=1)[..., None].view(float) for each in (places, velocities))
+    return {
+        "time": time * units.time,
+        "angles": angles,
+        "rates": rates / units.time,
+        "centre_line": line * units.length,
+        "centre_line_velocity": moving * units.velocity,
+        "hub_angle": hub,
+        "kinetic_energy": kinetic * units.energy,
+        "potential_energy": potential * units.energy,
+    }
 
 
-def _events(
-    recording: Recording, scene: Scene, wire: int, lags: tuple[Array, Array], units: Units
-) -> tuple[Event, ...]:
-    """Return a wire's events, with at most one event of largest retraction.
+def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -> tuple[Event, ...]:
+    """Return a wire's events in SI units, with at most one event of largest retraction.
 
     The run has recorded every local maximum of the retraction. Of these only the largest one before
     the strike is returned, or the largest one of a run without a strike. No maximum is returned if
@@ -96,15 +115,20 @@ def _events(
     the run states so.
 
     Args:
-        recording: the record of the run.
-        scene: the scene.
-        wire: index of the wire.
-        lags: times and retractions (rad) of the samples.
+        system: the system after its run.
         units: conversion factors from engine units to SI units.
+        wire: index of the wire.
+        motion: the wire's motion, as returned by ``motion_in_si``.
     """
-    times, lag = lags
+    recording = system.recording
+    times = motion["time"]
+    lag = motion["hub_angle"] - motion["angles"][:, 0]
     end = float(times[-1])
-    found = [event for event, wires in recording.events if wire in wires]
+    found = [
+        Event(event.name, event.time * units.time)
+        for event, wires in recording.events
+        if wire in wires
+    ]
     names = [event.name for event in found]
     strike = min([event.time for event in found if event.name == "strike"], default=math.inf)
     before = lag[times <= strike]
@@ -116,11 +140,11 @@ def _events(
     if recording.stop_reason is StopReason.EVENT:
         kept.append(end)
     found = [each for each in found if each.name != LARGEST_RETRACTION or each.time in kept]
-    parts = {each.name for each in scene.effects.pairs}
+    parts = {each.name for each in system.scene.effects.pairs}
     for name, absence in ABSENCES.items():
         if name.split()[0] in parts and absence not in names:
             found.append(Event(name, end))
-    return tuple([Event(each.name, each.time * units.time) for each in found])
+    return tuple(found)
 
 
 def contacts_in_si(
@@ -153,27 +177,6 @@ def contacts_in_si(
                 )
             )
     return tuple(sorted(found, key=attrgetter("time")))
-
-
-def energies(
-    mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]
-) -> tuple[Array, Array]:
-    """Return the kinetic energy and the potential energy at each sample, in engine units.
-
-    The potential energy is that of belt, hinges and gravity. ``motion`` holds the times, angles and
-    angular velocities of the samples, as returned by ``columns``.
-    """
-    time, angles, rates = motion
-    kinetic = np.zeros(len(time))
-    potential = 0.5 * effects.stiffness * (angles[:, 0] - mechanism.root_angle(time)) ** 2
-    poses = mechanism.poses_at(time, angles.T, rates.T, np.exp)
-    for link, pose, rate in zip(mechanism.links, poses, rates.T, strict=True):
-        velocity = pose.velocity + 1j * rate * pose.to_centre
-        kinetic += 0.5 * link.mass * np.abs(velocity) ** 2 + 0.5 * link.inertia * rate**2
-        potential += effects.gravity * link.mass * (pose.joint + pose.to_centre).imag
-    for number, (stiffness, _) in enumerate(effects.hinges):
-        potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
-    return kinetic, potential
 
 
 UNIT_OF = {

@@ -286,11 +286,10 @@ def time_scale(scene: Scene) -> float:
     """
     if not (hinges := scene.effects.hinges):
         return 1.0
-    wire = scene.mechanism.wire(0)
-    links = len(wire.links)
+    links = scene.mechanism.wire_links
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
     stiffness = twists.T @ np.diag([each for each, _ in hinges]) @ twists
-    mass = wire.mass_matrix(np.ones(links, complex))
+    mass = scene.mechanism.constants.products[:links, :links].real  # of the straight wire
     return 1.0 / math.sqrt(
         max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())
     )

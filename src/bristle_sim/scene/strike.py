@@ -18,7 +18,7 @@ from bristle_sim.scene.extrapolation import Extrapolation, damped_interval
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
-from bristle_sim.scene.results import columns, contact_in_si, energies
+from bristle_sim.scene.results import contact_in_si, motion_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.system import SLOW_FRACTION, Plan, System
 from bristle_sim.scene.tool import Units, build_tool, contact_law
@@ -108,15 +108,13 @@ def _in_si(
     scene: Scene, units: Units, record: ContactRecord, states: Sequence[State], begin: float
 ) -> ChainStrike:
     """Return a simulated contact in SI units; ``begin`` is the wall clock at its beginning, s."""
-    motion = columns(states)
-    line, _ = scene.mechanism.centre_line(*motion)
-    kinetic, _ = energies(scene.mechanism, scene.effects, motion)
+    motion = motion_in_si(scene, units, states)
     return ChainStrike(
         contact=contact_in_si(record, units),
-        time=motion[0] * units.time,
-        angles=motion[1],
-        centre_line=line * units.length,
-        kinetic_energy=kinetic * units.energy,
+        time=motion["time"],
+        angles=motion["angles"],
+        centre_line=motion["centre_line"],
+        kinetic_energy=motion["kinetic_energy"],
         steps=scene.steps,
         wall_s=clock.perf_counter() - begin,
     )
