@@ -73,10 +73,6 @@ class RestFilter:
         self.impacts.clear()
         self.motion.clear()
 
-    def collisions(self) -> list[Collision]:
-        """Return the contacts of the step, including those at rest."""
-        return self.at_rest + self.impacts
-
     def filter_impact(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
         """Leave a contact at rest to the engine, or make the engine ignore an impact.
 

@@ -104,7 +104,7 @@ class ImpactSequence:
         self._motion = contacts.motion
         self._report = report
         self._end = end
-        self._groups = Groups(contacts.collisions())
+        self._groups = Groups(contacts.at_rest + contacts.impacts)
         self._approaching: dict[TouchingPoint, None] = {}
         self.struck: dict[pymunk.Body, float] = {}
 

@@ -114,7 +114,7 @@ class Scene:
         mechanism: the links and the hub's motion.
         effects: springs, damping, gravity and contacts.
         space: the pymunk space.
-        hub: kinematic body that carries the roots; None without a hub.
+        hub: kinematic body that carries the roots; the space's static body without a hub.
         links: bodies of the links, in order from the root.
         joints: pivots of the links, in order from the root.
         joint_solver: solver of joints, damping and sustained contacts.
@@ -139,14 +139,14 @@ class Scene:
         space.collision_persistence = 1
         if effects.gravity:
             space.gravity = (0.0, -effects.gravity)
-        self.hub = hub = None
+        self.hub = hub = space.static_body
         if mechanism.hub_radius or effects.stiffness:
             self.hub = hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
             hub.angular_velocity = mechanism.hub_speed
             space.add(hub)
         self.links, self.joints, springs = _add_links(space, mechanism, effects, hub)
         self._dampings = [(spring, spring.damping) for spring in springs if spring.damping]
-        bodies = self.links if hub is None else [hub, *self.links]
+        bodies = [hub, *self.links]
         self.put = Placer(bodies)
         self._links = [link._body for link in self.links]
         hinges = effects.hinges or ((0.0, 0.0),) * (mechanism.wire_links - 1)
@@ -155,7 +155,7 @@ class Scene:
         if mechanism.single_link:
             self.joint_solver = LinkVelocity(mechanism, damping, hub, *self.links)
         else:
-            self.joint_solver = WireVelocities(mechanism, damping, hub, Placer(bodies))
+            self.joint_solver = WireVelocities(mechanism, damping, Placer(bodies))
         space.step(0.0)  # all that was added is in the space from here on
         # The pointer does not own the space. A reference to space._space must not exist longer than
         # the pymunk space. Otherwise the garbage collector, in another thread, may remove bodies,
@@ -188,12 +188,10 @@ class Scene:
             self.put(None)  # repetitions of one interval all start from one state
             return
         self.placed = (state, drift)
-        values: list[float] = []
-        if self.hub is not None:
-            hub_angle = self.mechanism.root_angle(state.time + drift)
-            # The rounding error of an angle grows with the angle, and extrapolation amplifies it.
-            self.turned = math.tau * round(hub_angle / math.tau)
-            values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
+        hub_angle = self.mechanism.root_angle(state.time + drift)
+        # The rounding error of an angle grows with the angle, and extrapolation amplifies it.
+        self.turned = math.tau * round(hub_angle / math.tau)
+        values = [0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed]
         for pose, angle, rate in zip(
             self.mechanism.poses(state), state.angles, state.rates, strict=True
         ):
@@ -295,7 +293,7 @@ class Scene:
 
 
 def _add_links(
-    space: pymunk.Space, mechanism: Mechanism, effects: Effects, hub: pymunk.Body | None
+    space: pymunk.Space, mechanism: Mechanism, effects: Effects, hub: pymunk.Body
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint], list[pymunk.DampedRotarySpring]]:
     """Add the links with their pivots and springs to a space.
 
@@ -312,7 +310,7 @@ def _add_links(
         wire, place = divmod(number, mechanism.wire_links)
         body = pymunk.Body(link.mass, link.inertia)
         if place == 0:
-            carrier = hub or space.static_body
+            carrier = hub
             lag = wire * mechanism.pitch
             anchor = -1j * cmath.rect(mechanism.hub_radius, -lag)
             if effects.stiffness:

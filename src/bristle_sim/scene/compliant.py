@@ -156,7 +156,6 @@ class CompliantLaw(ContactLaw):
             pair=pair,
             duration=duration,
             predicted=rigid.outcome_name,
-            finite_duration=self.finite_duration,
             stepper=Extrapolation(tolerance * fastest, repetitions, longest),
             surface=touch.gap,
             inverse_mass=point.inverse_mass,

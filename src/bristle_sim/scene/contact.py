@@ -35,6 +35,8 @@ contact belongs to the segment that is closer after this time."""
 class Sums(NamedTuple):
     """Forces, impulses and work of one contact on its link in an interval; engine units.
 
+    They are NaN if they are unknown.
+
     Attributes:
         normal: normal force at the end of the interval.
         tangential: tangential force at the end of the interval. In stick it is the force that
@@ -47,13 +49,13 @@ class Sums(NamedTuple):
             of the interval; otherwise 0.
     """
 
-    normal: float = 0.0
-    tangential: float = 0.0
-    impulse_normal: float = 0.0
-    impulse_tangential: float = 0.0
-    work_normal: float = 0.0
-    work_tangential: float = 0.0
-    tangential_at_start: float = 0.0
+    normal: float = math.nan
+    tangential: float = math.nan
+    impulse_normal: float = math.nan
+    impulse_tangential: float = math.nan
+    work_normal: float = math.nan
+    work_tangential: float = math.nan
+    tangential_at_start: float = math.nan
 
 
 # number of values of one contact in the flat list that an integrator extrapolates

@@ -77,7 +77,7 @@ class Kind(StrEnum):
     # contact with a spring in the rigid-body limit: it lasts too long to be an impact
     OVERDUE = auto()
     LARGEST_RETRACTION = auto()  # wire: its first link begins to catch up with the hub
-    HIGHEST_SPEED = auto()  # wire: the angular velocity of its only link is highest
+    HIGHEST_RELATIVE_SPEED = auto()  # wire: the angular velocity of its only link is highest
     RETRACTION_LIMIT = auto()  # wire: it lies on the hub
 
 
@@ -219,13 +219,13 @@ def _rigid_events(
     yield Event(
         Kind.RELEASE,
         (contact,),
-        lambda at: sums_of(at.totals, index).normal if at.totals else math.nan,
+        lambda at: sums_of(at.totals, index).normal,
     )
     if contact.slip == 0:
         yield Event(
             Kind.BREAKS_AWAY,
             contact,
-            lambda at: rigid.spare_friction(at.totals, index) if at.totals else math.nan,
+            lambda at: rigid.spare_friction(at.totals, index),
         )
     elif sense := contact.slip:
         yield Event(
@@ -292,19 +292,14 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
 
     def rest_margin(which: int, at: IntervalResult) -> float:
         """Return one of ``SpringContact.rest_margins``, selected by index, divided by k T."""
-        if not at.totals:
-            return math.nan
         margins = spring.rest_margins(depth(at), sums_of(at.totals, index).tangential)
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
         """Return the friction limit minus the tangential force's magnitude, divided by k T."""
+        force = sums_of(at.totals, index).tangential
         if spring.elastic:
             force = spring.law.tangential_force(system.along(pair, at.state), spring.foot)
-        elif at.totals:
-            force = sums_of(at.totals, index).tangential
-        else:
-            return math.nan
         return spring.spare_friction(depth(at), force) / (spring.law.stiffness * duration)
 
     def left(at: IntervalResult) -> float:
@@ -313,7 +308,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
 
     falls = partial(Event, subject=spring, tolerance=tolerance)
     # A contact in the rigid-body limit that other forces press on would not end without this event.
-    if system.follows_law(spring):
+    if system.follows_law:
         yield falls(Kind.OVERDUE, value=left)
     # The depth below the earlier maximum rises from zero and may fall back at once: only values
     # within the rounding error of a position count as zero.

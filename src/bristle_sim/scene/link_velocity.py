@@ -42,7 +42,7 @@ class LinkVelocity:
         self,
         mechanism: Mechanism,
         damping: Sequence[float],
-        hub: pymunk.Body | None,
+        hub: pymunk.Body,
         body: pymunk.Body,
     ) -> None:
         self._mechanism = mechanism
@@ -53,7 +53,7 @@ class LinkVelocity:
         self._damping = damping[0]
         self._speed = mechanism.hub_speed
         self._root = -1j * mechanism.hub_radius
-        self._hub = None if hub is None else hub._body
+        self._hub = hub._body
         self._body = body._body
         self.impulses: list[list[tuple[float, float, float]]] = []
 
@@ -103,9 +103,7 @@ class LinkVelocity:
         body = self._body
         speed = self._speed
         ratio = self._ratio
-        joint = self._root
-        if self._hub is not None:
-            joint *= rect(1.0, _angle(self._hub))
+        joint = self._root * rect(1.0, _angle(self._hub))
         turn = rect(1.0, _angle(body))
         start, end = self._line
         _, point, normal = self._touch(joint + turn * start, joint + turn * end)

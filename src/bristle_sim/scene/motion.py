@@ -123,7 +123,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
         link = wire * mechanism.wire_links
         yield Event(Kind.LARGEST_RETRACTION, wire, partial(relative_rate, link), 1)
         if not (in_contact or mechanism.jointed):  # a wire of several links vibrates
-            yield Event(Kind.HIGHEST_SPEED, wire, partial(acceleration, link))
+            yield Event(Kind.HIGHEST_RELATIVE_SPEED, wire, partial(acceleration, link))
         yield Event(Kind.RETRACTION_LIMIT, wire, partial(left, link))
     for number, pair in enumerate(system.pairs):
         if pair.dent:

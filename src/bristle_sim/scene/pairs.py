@@ -148,7 +148,6 @@ class BarPair(FixedPair):
         name: name of the obstacle in events and contact records.
         link: index of the link; -1 is the last link.
         partner: index of the other wire's link; None for a fixed obstacle.
-        first_touch: name of the event of a first touch.
         dent: depth of the dent that an earlier compliant contact has left in the surface.
     """
 
@@ -159,7 +158,6 @@ class BarPair(FixedPair):
     restitution: float
     name: ClassVar[str] = "bar"
     link: int = -1
-    first_touch: ClassVar[str] = "bar touch"
     dent: float = 0.0
     restitution_friction = SAME_FRICTION
 
@@ -235,7 +233,6 @@ class WorkpartPair(FixedPair):
     restitution: float
     name: ClassVar[str] = "workpart"
     link: int = -1
-    first_touch: ClassVar[str] = "strike"
     dent: float = 0.0
     corner: int = -1
 
@@ -273,7 +270,6 @@ class WirePair:
     friction: float
     restitution: float
     name: ClassVar[str] = "wire"
-    first_touch: ClassVar[str] = "wire touch"
     dent: float = 0.0
     restitution_friction = SAME_FRICTION
 

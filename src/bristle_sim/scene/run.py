@@ -27,16 +27,12 @@ from bristle_sim.scene.spring import SpringContact, spring_forces
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import GAP_ROUNDING, System
 from bristle_sim.scene.touches import first_event
-from bristle_sim.settings import LARGEST_RETRACTION, StopReason
+from bristle_sim.settings import StopReason
 
 log = logging.getLogger(__name__)
 
-EXTREMES = {
-    Kind.LARGEST_RETRACTION: LARGEST_RETRACTION,
-    Kind.HIGHEST_SPEED: "highest relative speed",
-    Kind.RETRACTION_LIMIT: "retraction limit",
-}
-"""Names of the events that change no contact."""
+# kinds of events that change no contact; an extreme's name is that of its kind
+EXTREMES = (Kind.LARGEST_RETRACTION, Kind.HIGHEST_RELATIVE_SPEED, Kind.RETRACTION_LIMIT)
 
 
 def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
@@ -103,7 +99,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
     if kind in EXTREMES:
         if kind is Kind.RETRACTION_LIMIT:
             system.stop(StopReason.RETRACTION_LIMIT)
-        system.event(EXTREMES[kind], (subject,))
+        system.event(kind.replace("_", " "), (subject,))
         return motion
     if kind in (Kind.TOUCH, Kind.REST):
         pair = system.at_joint(subject)
@@ -253,10 +249,11 @@ def _touch_name(system: System, pair: ContactPair) -> str:
     """
     wire = system.wires_of(pair)[0]
     size = system.mechanism.wire_links
-    for contact, links in system.recording.contacts:
-        if contact.obstacle == pair.name and wire in [link // size for link in links]:
-            return f"{pair.name} touch"
-    return pair.first_touch
+    touched = any(
+        contact.obstacle == "workpart" and wire in [link // size for link in links]
+        for contact, links in system.recording.contacts
+    )
+    return f"{pair.name} touch" if pair.name != "workpart" or touched else "strike"
 
 
 def _after_spring_event(
@@ -288,7 +285,7 @@ def _after_spring_event(
         return Motion(staying)
     # A spring without restitution exerts no force after compression. A tip that is pressed on then
     # touches the bottom of its dent.
-    spent = outcome is Outcome.NO_REBOUND and not system.follows_law(spring)
+    spent = outcome is Outcome.NO_REBOUND and not system.follows_law
     leaves = outcome is Outcome.REBOUND and system.approach(pair) > system.slow
     again = None if leaves else pressed_on(system, Motion(staying), pair)
     if again is not None:
@@ -307,7 +304,7 @@ def _add_limit_error(system: System, spring: SpringContact) -> None:
     It is the largest difference of the angular velocities after the contact. It is added only if
     the contact represents the rigid-body limit.
     """
-    if system.follows_law(spring):
+    if system.follows_law:
         law = system.law_of(spring.pair)
         limit, _ = law.resolve(system.scene, spring.start, spring.pair)
         system.recording.error += max(

@@ -45,7 +45,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pymunk
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Complexes, Mechanism, State
@@ -73,7 +72,6 @@ class WireVelocities:
         self,
         mechanism: Mechanism,
         damping: Sequence[float],
-        hub: pymunk.Body | None,
         bodies: Any,
     ) -> None:
         """Prepare the corrections.
@@ -81,7 +79,6 @@ class WireVelocities:
         Args:
             mechanism: the mechanism.
             damping: damping of the torsion springs of one wire, first that of the belt.
-            hub: the hub's body; None without a hub.
             bodies: the ``build.Placer`` of hub and links.
         """
         from scipy.linalg.lapack import dposv  # imported where it is needed only
@@ -103,8 +100,8 @@ class WireVelocities:
         self._roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
         self._bodies = bodies
         rows = np.frombuffer(bodies.values).reshape(-1, 6)
-        self._hub = np.zeros(6) if hub is None else rows[0]
-        numbers = rows[:links] if hub is None else rows[1 : links + 1]
+        self._hub = rows[0]
+        numbers = rows[1 : links + 1]
         self._places = numbers[:, :2].view(np.complex128)[:, 0]
         self._angles = numbers[:, 2]
         self._motion = numbers[:, 3:]

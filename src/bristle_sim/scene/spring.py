@@ -80,8 +80,6 @@ class SpringContact(ActiveContact):
         law: force law of the springs in the present phase, in engine units.
         duration: predicted duration of the contact.
         predicted: outcome that the impact law predicts.
-        finite_duration: whether the user has given the duration, so that the bodies move noticeably
-            during the contact. Otherwise the contact is short enough for the rigid-body limit.
         stepper: integrator of the contact.
         surface: gap at the first touch; the penetration is this gap minus the present gap.
         inverse_mass: contact-space inverse mass matrix K, row by row, at the first touch or at the
@@ -104,7 +102,6 @@ class SpringContact(ActiveContact):
     law: ContactSpring
     duration: float
     predicted: str
-    finite_duration: bool
     stepper: Extrapolation
     surface: float
     inverse_mass: tuple[Vector, Vector]

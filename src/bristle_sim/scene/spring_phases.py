@@ -103,7 +103,7 @@ def change_spring(
     # Bodies that vibrate may press the contact point in a second time, so their contact is not
     # ended early.
     law = spring.law
-    quiet = not law.loading and (system.mechanism.single_link or system.follows_law(spring))
+    quiet = not law.loading and (system.mechanism.single_link or system.follows_law)
     least = LEAST_UNLOADING * ((law.deepest or 0.0) - law.residual)
     if quiet and penetration - law.residual < least:
         return Outcome.REBOUND
@@ -111,7 +111,7 @@ def change_spring(
     if turned:
         spring.begin_phase()
     if spring.jams and (kind is Kind.BALANCED if spring.elastic else turned and not spring.slip):
-        if not spring.finite_duration:
+        if not system.law.finite_duration:
             return Outcome.JAM
         # The bodies move during the contact, so it may still end with a rebound.
         counts = (len(spring.rows), len(spring.phases))
@@ -213,7 +213,7 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
 
 def _ends_in_stiction(system: System, spring: SpringContact) -> bool:
     """Return whether the impact law applies to a contact and predicts stiction."""
-    return system.follows_law(spring) and spring.predicted == Outcome.STICTION
+    return system.follows_law and spring.predicted == Outcome.STICTION
 
 
 def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:

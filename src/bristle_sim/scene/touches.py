@@ -7,7 +7,7 @@ cannot pass a touch.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 from bristle_sim.scene.events import Happening, Kind
@@ -78,7 +78,7 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
         interval, changed = first_change(system, motion.events, interval)
     for pair in system.pairs:
         if pair not in sustained and interval.length > 0.0:
-            found = _touch(system, interval, pair, sustained, motion.separating)
+            found = _touch(system, motion, interval, pair)
             if found is not None:
                 interval, first = found
                 changed = None
@@ -150,21 +150,14 @@ def _search_hop(
     return interval.up_to(end), None if gap > GAP_ROUNDING else Happening(Kind.REST, pair)
 
 
-def _touch(
-    system: System,
-    interval: Interval,
-    pair: ContactPair,
-    sustained: Sequence[ContactPair],
-    separating: Sequence[ContactPair],
-) -> Found | None:
+def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair) -> Found | None:
     """Search for the first touch of a pair in an interval.
 
     Args:
         system: the run.
+        motion: the motion. The gaps of its separating pairs must first open.
         interval: the interval.
-        pair: the pair.
-        sustained: pairs in sustained contact.
-        separating: released pairs, whose gaps must first open.
+        pair: the pair, which is not in sustained contact.
 
     Returns:
         A pair, or a single None:
@@ -176,7 +169,7 @@ def _touch(
     closest = partial(system.closest, pair)
     error = polynomial_error(system, interval)
     begin = 0.0
-    if pair in separating:
+    if pair in motion.separating:
         begin = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
         within = min(begin, length)
         opening = closest(interval.at(within).state)
@@ -192,10 +185,11 @@ def _touch(
             return _search_hop(system, interval, pair, begin)
     else:
         times = (0.0, 0.5 * length, length)
+        sustained = [contact.pair for contact in motion.contacts]
         rests = sustained and all(
             abs(closest(interval.at(time).state).gap) <= GAP_ROUNDING for time in times
         )
-        if rests or system.behind_joint(pair, [*separating, *sustained], interval.end.state):
+        if rests or system.behind_joint(pair, [*motion.separating, *sustained], interval.end.state):
             return None
     fraction = first_touch(system.mechanism, closest, interval, error, begin / length)
     if fraction is None:
