@@ -131,7 +131,7 @@ def test_the_highest_speed_is_an_event_of_a_rigid_bristle_in_flight(
     motion = begin_motion(system, Motion((ActiveContact(part),) if touches else ()))
     kinds = [event.kind for event in motion.events]
     assert Kind.LARGEST_RETRACTION in kinds
-    assert (Kind.HIGHEST_SPEED in kinds) == listed
+    assert (Kind.HIGHEST_RELATIVE_SPEED in kinds) == listed
 
 
 def test_a_contact_that_friction_locks_stops_the_run_beside_one_that_slips() -> None:

@@ -125,9 +125,6 @@ class System:
         pairs: the pairs of link and obstacle that can touch. The surface of a pair may have a dent
             from an earlier contact; the tip then touches the bottom of the dent.
         law: impact law of the workpart; the energetic law applies to all other pairs.
-        follows_law: whether the impact law predicts how a contact with a spring ends. It does so in
-            the rigid-body limit, and in the simulation of a single contact of rigid links. In any
-            other contact the links may move noticeably while the spring acts.
         state: the last state reached.
         flight: integrator of motion without contact springs.
         stepper: integrator of the present motion.
@@ -161,8 +158,6 @@ class System:
         self.plan = plan
         self.pairs = list(scene.effects.pairs if pairs is None else pairs)
         self.law = law
-        single = plan.single_contact and not scene.effects.hinges
-        self.follows_law = single or not law.finite_duration
         self.state = start
         self.flight = flight
         self.stepper = flight
@@ -181,6 +176,16 @@ class System:
     def law_of(self, pair: ContactPair) -> ContactLaw:
         """Return the impact law of a pair."""
         return self.law if isinstance(pair, WorkpartPair) else ENERGETIC
+
+    @property
+    def follows_law(self) -> bool:
+        """Whether the impact law predicts how a contact with a spring ends.
+
+        It does so in the rigid-body limit, and in the simulation of a single contact of rigid
+        links. In any other contact the links may move noticeably while the spring acts.
+        """
+        single = self.plan.single_contact and not self.scene.effects.hinges
+        return single or not self.law.finite_duration
 
     def slip_error(self, fastest: State) -> float:
         """Return the possible error of a slip velocity; the sense of a smaller one is unknown.
