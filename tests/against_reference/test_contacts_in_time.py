@@ -142,6 +142,15 @@ def test_a_foot_that_stops_at_an_instant_known_to_rounding(friction: float) -> N
     assert run.rates[-1] == pytest.approx(exact.rates[-1], rel=10.0 * ACCURACY)
 
 
+def test_a_wire_that_touches_more_slowly_than_the_error() -> None:
+    """At an accuracy of 1e-3 the fourth touch approaches by less than the error; it begins a spring, like the other three."""
+    tool = timed(6.4585e-5).replace(wire_links=4, wire_damping_ratio=0.016)
+    run = bs.simulate(tool, bs.Settings(accuracy=1e-3, hub_turn=1.335))
+    exact = simulate_reference(tool, accuracy=1e-8, hub_turn=1.335)
+    assert touches(run) == pytest.approx(touches(exact), abs=10.0 * 1e-3 * 1e-3)
+    assert {each.law for each in run.contacts if each.obstacle == "workpart"} == {"compliant"}
+
+
 @pytest.mark.parametrize("restitution", [0.42, 0.0])
 def test_a_run_that_ends_with_its_strike(restitution: float) -> None:
     """Both end when the contact of the strike is over, and record it."""

@@ -234,6 +234,8 @@ def _contact_begun(
         began = ActiveContact(pair)
     elif not law.instantaneous and -system.approach(pair) > system.slow:
         began = begin_spring(system, motion, pair)
+    elif rests and law.finite_duration:
+        began = pressed_on(system, motion, pair)
     if began is None:
         return None
     system.event(name, system.wires_of(pair), lasts=isinstance(began, SpringContact))
