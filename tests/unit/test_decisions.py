@@ -241,6 +241,18 @@ def test_a_tip_that_leaves_its_dent_too_slowly_is_pressed_on_and_touches_anew() 
     assert names == ["strike", "workpart release", "workpart touch"]
 
 
+def test_a_run_that_only_waits_for_its_contact_to_end_begins_no_other() -> None:
+    system, part, _ = pressed_rod(5.0)
+    system.plan.stop_after = "strike"
+    motion = decide(system, Motion(), Happening(Kind.TOUCH, part))
+    (spring,) = motion.springs
+    system.state = pressed_rod(0.0)[0].state
+    motion = decide(system, motion, Happening(Kind.UNLOADED, spring))
+    assert motion.springs == []
+    assert system.recording.stop_reason is StopReason.EVENT
+    assert [event.name for event, _ in system.recording.events] == ["strike"]
+
+
 @pytest.mark.parametrize(("duration", "stays"), [(None, True), (1e-3, False)])
 def test_a_tip_without_restitution_stays_on_the_surface_in_the_rigid_limit_only(
     duration: float | None, stays: bool

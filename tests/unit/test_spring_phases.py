@@ -1,7 +1,9 @@
 """Phases of a contact with springs, and its forces in them, against values by hand."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bristle_sim.parameters import Contact, Surface
@@ -9,6 +11,7 @@ from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact import Outcome
 from bristle_sim.scene.events import Kind
 from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.impacts import contact_at
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.spring import SHORTEST_SWING, SpringContact
 from bristle_sim.scene.spring_phases import change_spring, look_up_slip
@@ -149,3 +152,79 @@ def test_a_single_contact_does_not_end_as_its_rod_turns_through_a_right_angle() 
     struck = strike(chain, Surface(0.0, None, 0.9), Contact("compliant", 1e-3), Settings())
     assert min(struck.angles[:, 0]) < 0.5 * math.pi < struck.angles[0, 0]
     assert struck.contact.rates_after[0] == pytest.approx(0.9, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("chain", "single", "outcome"),
+    [
+        (PAIR, True, Outcome.REBOUND),
+        (PAIR, False, None),
+        (Chain((1.0,), (1.0,), (-0.4,), (1.0,)), False, Outcome.REBOUND),
+    ],
+)
+def test_a_trace_of_unloading_is_left_out_where_no_other_link_may_press_on(
+    chain: Chain, single: bool, outcome: Outcome | None
+) -> None:
+    """With e* = 0.5 the dent is 0.75 of the greatest depth; 5e-6 of the unloading is left."""
+    system, spring, depth = penetrating(Surface(0.3, None, 0.5), chain=chain, single=single)
+    spring.unload(depth / (0.75 + 0.25 * 5e-6))
+    assert change_spring(system, Motion((spring,)), spring, Kind.CONE_REACHED) is outcome
+
+
+def moving(normal: float, along: float) -> Chain:
+    """Two rods of mass and length 1 at -20 and -30 degrees whose tip has a velocity."""
+    levers = np.array([np.sin(PAIR.angles), np.cos(PAIR.angles)])
+    rates = np.linalg.solve(levers, (normal, along))
+    return replace(PAIR, rates=tuple(rates.tolist()))
+
+
+@pytest.mark.parametrize(("compliance", "rests"), [(1e-3, True), (1.2, False)])
+def test_slip_rests_at_the_greatest_depth_if_its_spring_would_swing_too_fast(
+    compliance: float, rests: bool
+) -> None:
+    """Both frictions hold the depth between them: N K_nn = T K_nt. At 1.2 the shortest swing takes a faster slip."""
+    pair = moving(-1.0, 0.1)
+    scene, start, part, _ = build_strike(pair, Surface(0.0, None, 0.5))
+    (normal, coupling), _ = contact_at(scene.mechanism, start, part).inverse_mass
+    holding = normal / abs(coupling)
+    surface = Surface(0.8 * holding, 1.2 * holding, 0.5)
+    system, spring, depth = penetrating(surface, compliance, pair)
+    level = moving(0.0, math.copysign(0.1, coupling))
+    system.state = system.state._replace(rates=level.rates)
+    spring.slip = int(math.copysign(1.0, coupling))
+    spring.stick_force = -spring.slip * surface.friction * spring.law.stiffness * depth
+    assert change_spring(system, Motion((spring,)), spring, Kind.COMPRESSION_ENDS) is None
+    assert spring.at_rest == rests
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("rounding", [1e-8, -1e-8])
+@pytest.mark.parametrize("compliance", [0.4, 6.0])
+def test_a_foot_whose_velocity_is_rounding_slides_if_its_force_drives_it(
+    compliance: float, rounding: float, sense: int
+) -> None:
+    """At the edge of the cone the velocity of the foot, s v_t + mu eta^2 v_n, changes by
+    s (K_nt - mu s K_tt) + mu eta^2 (K_nn - mu s K_nt) per normal impulse."""
+    along = sense * (0.3 * compliance + rounding)
+    system, spring, _ = penetrating(Surface(0.3, None, 0.5), compliance, moving(-1.0, along))
+    system.state = spring.start
+    (normal, coupling), (_, tangential) = spring.inverse_mass
+    driven = sense * coupling - 0.3 * tangential
+    driven += 0.3 * compliance * (normal - 0.3 * sense * coupling)
+    look_up_slip(system, Motion(), spring)
+    assert spring.slip == (sense if driven > 0.0 else 0)
+
+
+def test_the_force_in_stick_holds_against_the_springs_of_other_contacts() -> None:
+    """A second contact of the same tip without friction: T = -K_nt (N + N')/K_tt, as the rods stand still."""
+    system, spring, depth = penetrating(Surface(9.0, None, 0.5))
+    part = replace(spring.pair, friction=0.0, restitution_friction=0.0)
+    other = system.law.spring(system.scene, spring.start, part)
+    assert isinstance(other, SpringContact)
+    other.slip = 1
+    system.state = system.state._replace(rates=(0.0, 0.0))
+    look_up_slip(system, Motion((spring, other)), spring)
+    force = spring.law.normal_force(depth) + other.law.normal_force(depth)
+    (_, coupling), (_, tangential) = spring.inverse_mass
+    assert spring.slip == 0
+    assert spring.stick_force == pytest.approx(-coupling * force / tangential, rel=1e-6)
