@@ -358,3 +358,21 @@ def test_a_tip_that_has_left_its_dent_strikes_the_surface() -> None:
     assert first.outcome == "rebound"
     height = np.interp(second.time, run.time, run.tip[:, 1]) + tool.workpart_depth
     assert height == pytest.approx(0.0, abs=1e-6 * tool.bristle.length)
+
+
+@pytest.mark.parametrize("restitution", [0.32924, 0.35, 0.4])
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-5])
+def test_a_wire_that_comes_to_rest_in_the_rigid_limit_does_not_sink(
+    restitution: float, accuracy: float
+):
+    """After its last small rebound the wire rests on the surface; a series of further contacts would dig it in by a hundredth of its length."""
+    tool = bs.Tool(
+        belt=bs.Belt(stiffness=0.07, damping_ratio=0.2),
+        workpart=bs.Workpart(penetration=0.0072, friction=0.2334, restitution=restitution),
+        contact=bs.Contact("compliant"),
+    )
+    run = bs.simulate(tool, bs.Settings(accuracy=accuracy))
+    depth = -tool.workpart_depth - run.centre_line[:, -1, 1].min()
+    assert depth < accuracy * tool.bristle.length
+    # Each rebound has restitution times the speed of the one before, so a dozen reach the accuracy.
+    assert len(run.contacts) < 20 + math.log(accuracy) / math.log(restitution)

@@ -227,12 +227,13 @@ def _contact_begun(
         rests: whether the link comes to rest.
     """
     law = system.law_of(pair)
+    rigid = law.instantaneous or (rests and not law.finite_duration)
     began = None
-    if rests and not (system.mechanism.single_link or law.finite_duration):
+    if rests and rigid and not system.mechanism.single_link:
         # Coupled links would excite each other's small rebounds without end. Instead all touching
         # links come to rest together.
         began = ActiveContact(pair)
-    elif not law.instantaneous and -system.approach(pair) > system.slow:
+    elif not rigid and -system.approach(pair) > system.slow:
         began = begin_spring(system, motion, pair)
     elif rests and law.finite_duration:
         began = pressed_on(system, motion, pair)
