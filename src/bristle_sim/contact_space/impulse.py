@@ -65,15 +65,14 @@ class ContactSpace:
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal impulse
             (column 0) and per unit tangential impulse (column 1), shape (3 * len(bodies), 2).
-        limits: Jacobian rows of the joint limits that are reached and act as rigid stops.
-        pushes: impulse of each limit per unit normal and per unit tangential impulse at the
-            contact, shape (limits, 2), multiplied by the length of the limit's Jacobian row. The
-            rows are scaled by M^-1/2 with the mass matrix M.
-        sizes: lengths of the contact's two Jacobian rows, scaled in the same way, shape (2,). They
-            give the scale of the rounding error of ``pushes``.
-        released: Jacobian rows of the joint limits that are reached but transmit no impulse.
-        partings: velocity at which the bodies leave each released limit, per unit normal and per
-            unit tangential impulse, shape (released, 2), scaled as ``pushes``.
+        limits: joints whose limits are reached: first those that act as rigid stops, then those
+            that are released and transmit no impulse.
+        partings: of each limit, shape (limits, 2), per unit normal and per unit tangential impulse
+            at the contact: the impulse of a rigid stop, and the velocity at which the bodies leave
+            a released limit. The limits' Jacobian rows are scaled by M^-1/2, with the mass matrix
+            M, and then to length 1.
+        sizes: lengths of the contact's two Jacobian rows, scaled by M^-1/2, shape (2,). They give
+            the scale of the rounding error of ``partings``.
     """
 
     inverse_mass: Array
@@ -81,25 +80,20 @@ class ContactSpace:
     stick_compliance: float
     bodies: Sequence[pymunk.Body]
     response: Array
-    limits: Sequence[JointRow]
-    pushes: Array
-    sizes: Array
-    released: Sequence[JointRow]
+    limits: Sequence[pymunk.Constraint]
     partings: Array
+    sizes: Array
 
-    def wrong_limit(self, impulse: Vector) -> JointRow | None:
-        """Return the joint limit that pulls most in an impact, or is passed most if none pulls.
+    def wrong_limit(self, impulse: Vector) -> pymunk.Constraint | None:
+        """Return the joint whose limit pulls most in an impact, or is passed most.
 
         ``impulse`` is the (normal, tangential) impulse at the contact. A real limit can only push,
         and bodies cannot pass a released one. Return None if no limit is wrong by more than
         rounding error.
         """
-        rounding = OPENS * (self.sizes @ np.abs(impulse))
-        for rows, response in ((self.limits, self.pushes), (self.released, self.partings)):
-            values = response @ impulse
-            if values.min(initial=0.0) < -rounding:
-                return rows[int(values.argmin())]
-        return None
+        values = self.partings @ impulse
+        wrong = values.min(initial=0.0) < -OPENS * (self.sizes @ np.abs(impulse))
+        return self.limits[int(values.argmin())] if wrong else None
 
     def apply(self, impulse: Vector) -> None:
         """Change the velocities of all bodies by an impulse (normal, tangential) at the contact."""
@@ -149,24 +143,19 @@ def contact_space(
         in_stick = normal_part - slip * ((slip @ normal_part) / (slip @ slip))
     moves = math.sqrt(in_stick @ in_stick) > SINGULAR * sizes[0]
     limits = [number for number, row in enumerate(rows) if row.limit]
-    pushes = partings = np.empty((0, 2))
+    partings = of_length_one(columns[:, 2 + len(rows) :])[0].T @ free
     if limits:
-        scaled, _ = of_length_one(rigid)
-        pushes = -np.asarray(np.linalg.lstsq(scaled, touch, rcond=DEPENDENT)[0])[limits]
-    if parting:
-        scaled, _ = of_length_one(columns[:, 2 + len(rows) :])
-        partings = scaled.T @ free
+        impulses = np.linalg.lstsq(of_length_one(rigid)[0], touch, rcond=DEPENDENT)[0]
+        partings = np.concatenate([-impulses[limits], partings])
     return ContactSpace(
         inverse_mass=free.T @ free,
         velocity=velocity,
         stick_compliance=float(in_stick @ in_stick) if moves else 0.0,
         bodies=bodies,
         response=scale[:, None] * free,
-        limits=[rows[number] for number in limits],
-        pushes=pushes,
-        sizes=sizes,
-        released=parting,
+        limits=[row.joint for row in (*rows, *parting) if row.limit],
         partings=partings,
+        sizes=sizes,
     )
 
 

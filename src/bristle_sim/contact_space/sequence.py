@@ -229,5 +229,5 @@ class ImpactSequence:
             wrong = space.wrong_limit((impact.impulse_normal, impact.impulse_tangential))
             if wrong is None:
                 break
-            released ^= {wrong.joint}
+            released ^= {wrong}
         return space, impact, rests

@@ -197,7 +197,7 @@ class RigidContacts:
             pair = contact.pair
             if pair.partner is not None or len(mechanism.links[pair.link].corners) > 2:
                 # At a corner two segments touch. The motion in the time MOMENT selects one.
-                later = _a_moment_later(state)
+                later = state.moved(MOMENT, [0.0] * len(state.rates))
                 contact.piece = pair.closest(mechanism.poses(later), later.rates).piece
         self.scene.keep_closed(self.closed)
 
@@ -292,19 +292,12 @@ class RigidContacts:
 
     def slip_acceleration(self, contact: ClosedPair, state: State) -> float:
         """Return the tangential acceleration of a contact point that stays on its obstacle."""
+        later = state.moved(MOMENT, [0.0] * len(state.rates))
         before, after = (
-            self._slip_velocity(contact, self._solver.set_back(each))
-            for each in (state, _a_moment_later(state))
+            self._slip_velocity(contact, self._solver.set_back(each)) for each in (state, later)
         )
         return (after - before) / MOMENT
 
     def _slip_velocity(self, contact: ClosedPair, state: State) -> float:
         poses = self.scene.mechanism.poses(state)
         return contact.pair.closest(poses, state.rates).velocity[1]
-
-
-def _a_moment_later(state: State) -> State:
-    """Return the state after the time ``MOMENT`` at constant angular velocities."""
-    moved = zip(state.angles, state.rates, strict=True)
-    angles = tuple([angle + MOMENT * rate for angle, rate in moved])
-    return State(state.time + MOMENT, angles, state.rates)

@@ -80,15 +80,7 @@ class IntervalResult(NamedTuple):
 
     def moved(self, time: float) -> IntervalResult:
         """Return the result with its state a short time later, at constant accelerations."""
-        when, angles, rates = self.state
-        angles = tuple(
-            [
-                a + time * (u + 0.5 * time * b)
-                for a, u, b in zip(angles, rates, self.accelerations, strict=True)
-            ]
-        )
-        rates = tuple([u + time * b for u, b in zip(rates, self.accelerations, strict=True)])
-        return self._replace(state=State(when + time, angles, rates))
+        return self._replace(state=self.state.moved(time, self.accelerations))
 
 
 class Repetitions:

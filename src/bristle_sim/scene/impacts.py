@@ -274,13 +274,8 @@ class EngineLaw(ContactLaw):
         part.friction = pair.friction
         part.elasticity = pair.restitution
         impulses = [(0.0, 0.0)]
-
-        def note(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-            del space, data
-            impulses.append(arbiter.total_impulse)
-
         space.add(part, tip)
-        space.on_collision(post_solve=note)
+        space.on_collision(post_solve=lambda arbiter, *_: impulses.append(arbiter.total_impulse))
         before = space.iterations
         space.iterations = ITERATIONS_OF_A_CHAIN if mechanism.jointed else ITERATIONS_OF_ONE_LINK
         scene.step_alone(ENGINE_STEP)

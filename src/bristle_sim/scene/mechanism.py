@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
@@ -81,6 +81,12 @@ class State(NamedTuple):
     time: float
     angles: tuple[float, ...]
     rates: tuple[float, ...]
+
+    def moved(self, time: float, accelerations: Sequence[float]) -> State:
+        """Return the state a short time later, at constant angular accelerations."""
+        links = [*zip(self.angles, self.rates, accelerations, strict=True)]
+        angles = tuple([a + time * (u + 0.5 * time * b) for a, u, b in links])
+        return State(self.time + time, angles, tuple([u + time * b for _, u, b in links]))
 
 
 class Pose(NamedTuple):

@@ -263,7 +263,7 @@ class System:
         """
         link = pair.link + step
         size = self.mechanism.wire_links
-        if pair.link < 0 or not isinstance(pair, BarPair) or link // size != pair.link // size:
+        if not isinstance(pair, BarPair) or link // size != pair.link // size:
             return None
         return next(
             (other for other in self.pairs if isinstance(other, BarPair) and other.link == link),
