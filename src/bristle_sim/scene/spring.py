@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pymunk._chipmunk_cffi import lib
@@ -318,24 +318,28 @@ def _begin_force(
     pushes = loss = heat = 0.0
     rubs: list[float] = []
 
-    def force(place: Any, velocity: Any) -> Vector:
-        normal = stiffness * (height - place.y)
-        along = ratio * normal - stop_slip * velocity.x - stop_normal * velocity.y
-        return normal, along - rigidity * (place.x - foot)
-
     def act() -> None:
         nonlocal pushes, loss, heat
         place = place_of()
         velocity = velocity_of()
-        normal, along = force(place, velocity)
-        push((along, normal), place)
+        x = place.x
+        y = place.y
+        u = velocity.x
+        v = velocity.y
+        normal = stiffness * (height - y)
+        along = ratio * normal - stop_slip * u - stop_normal * v - rigidity * (x - foot)
+        push((along, normal), (x, y))
         pushes += normal
-        loss += normal * velocity.y
-        heat += along * velocity.x
+        loss += normal * v
+        heat += along * u
         rubs.append(along)
 
     def read() -> list[float]:
-        normal, along = force(place_of(), velocity_of())
+        place = place_of()
+        velocity = velocity_of()
+        normal = stiffness * (height - place.y)
+        along = ratio * normal - stop_slip * velocity.x - stop_normal * velocity.y
+        along -= rigidity * (place.x - foot)
         impulse = (step * pushes, step * sum(rubs))
         return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
 
