@@ -53,9 +53,6 @@ class TunnellingWatch:
             pairs: pairs of collision types whose shapes should collide.
             duration: duration of the step.
         """
-        if self._unwatched and len(space._shapes) == self._shapes:
-            self._unwatched -= 1
-            return
         if len(space._shapes) != self._shapes:
             self._shapes = len(space._shapes)
             types = {kind for pair in pairs for kind in pair}
@@ -63,6 +60,9 @@ class TunnellingWatch:
                 (least_extent(s) for s in space.shapes if s.collision_type in types),
                 default=math.inf,
             )
+        elif self._unwatched:
+            self._unwatched -= 1
+            return
         velocities = Buffer()
         get_space_bodies(space, BodyFields.VELOCITY, velocities)
         speeds = np.abs(np.frombuffer(velocities.float_buf()))

@@ -84,7 +84,6 @@ def resolve_impacts(
         ending = list(motion.ordered)
     contacts = end_contacts(system, contacts, ending, pair.name)
     opening = _least_opening_rate(system, pair) if single_link else math.inf
-    system.scene.keep_closed(())
     record = _resolve(system, pair, rests=rests or opening <= LEAST_SLIP)
     jams = record.outcome == Outcome.JAM or opening < -LEAST_SLIP
     system.event(name, system.wires_of(pair), lasts=jams)

@@ -56,7 +56,6 @@ class Kind(StrEnum):
     HAND_OVER = auto()  # contact, and the pair of the neighbouring link onto which it slides
     SLIP_STOPS = auto()  # rigid contact: its slip velocity falls to zero
     BREAKS_AWAY = auto()  # rigid contact that sticks: its tangential force exceeds friction
-    SLIPS = auto()  # rigid contact, and the sense in which it slips from now on
     KINK = auto()  # contact: it passes a joint, a knee or the tip of the wire
     LOCKED = auto()  # rigid contact: no force keeps it closed
     # index of a pair: the tip leaves the dent of an earlier compliant contact
@@ -175,12 +174,10 @@ class Happening(NamedTuple):
     Attributes:
         kind: kind of the event.
         subject: contact, pair or wire of the event, as its kind states.
-        detail: new sense of slip, for an event after which a contact slips; otherwise None.
     """
 
     kind: Kind
     subject: Any
-    detail: Any = None
 
 
 def contact_events(

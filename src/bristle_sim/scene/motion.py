@@ -194,7 +194,6 @@ def _lost(
         slipping: index of a sticking contact whose tangential force exceeds the friction limit;
             None without such a contact.
     """
-    assert motion.rigid is not None
     plan = system.plan
     first = motion.before is None
     if first and length > plan.instant:
@@ -212,8 +211,9 @@ def _lost(
         return None
     if slipping is None:
         return Happening(Kind.RELEASE, tuple(lost))
-    sense = -1 if sums_of(result.totals, slipping).tangential > 0.0 else 1
-    return Happening(Kind.SLIPS, motion.contacts[slipping], sense)
+    contact = motion.contacts[slipping]
+    contact.tangential = sums_of(result.totals, slipping).tangential
+    return Happening(Kind.BREAKS_AWAY, contact)
 
 
 def accept(system: System, motion: Motion, interval: Interval) -> None:

@@ -135,8 +135,6 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
 def _sense_after(system: System, event: Happening) -> int:
     """Return the sense of slip (+1, -1, or 0 in stick) after an event of a rigid contact's slip."""
     contact: ActiveContact = event.subject
-    if event.kind is Kind.SLIPS:
-        return int(event.detail)
     if event.kind is Kind.BREAKS_AWAY:
         return -1 if contact.tangential > 0.0 else 1
     # Geometry and hub alone determine how a single link slips, so the slip that stops is reversed.
