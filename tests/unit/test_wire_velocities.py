@@ -38,7 +38,7 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     """The tip of a wire that stands upright on the workpart can be pushed no way by turning: K_nn is 0."""
     upright = Mechanism((Link.rod(1.0, 0.4), Link.rod(0.3, 0.5)))
     part = WorkpartPair(0.9, 0.0, 0.0, 0.0, link=1)
-    scene = Scene(upright, Effects(hinges=((5.0, 0.0),), pairs=(part,)))
+    scene = Scene(upright, Effects(hinge=(5.0, 0.0), pairs=(part,)))
     scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
     scene.joint_solver.set_contacts((ClosedPair(part, None, None),))
     scene.joint_solver.solve(1.0)
@@ -72,7 +72,7 @@ def test_the_straight_segment_in_contact_remains_the_selected_one(piece: int) ->
     joint, knee, tip = mechanism.poses(State(0.0, angles, (0.0, 0.0)))[1].corners
     bisector = (joint - knee) / abs(joint - knee) + (tip - knee) / abs(tip - knee)
     pair = BarPair(knee + 0.1 * bisector / abs(bisector), 0.05, 0.0, 0.3, 0.0, link=1)
-    scene = Scene(mechanism, Effects(hinges=((5.0, 0.0),), pairs=(pair,)))
+    scene = Scene(mechanism, Effects(hinge=(5.0, 0.0), pairs=(pair,)))
     scene.place(State(0.0, angles, (0.3, -0.2)))
     scene.joint_solver.set_contacts((ClosedPair(pair, piece, 1),))
     scene.joint_solver.solve(1e-3)

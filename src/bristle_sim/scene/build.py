@@ -57,7 +57,7 @@ class Effects:
         damping: damping of the torsion spring between hub and first link.
         gravity: acceleration of gravity, along -y.
         pairs: pairs of bodies that can touch.
-        hinges: (stiffness, damping) of the torsion spring in each joint between two links of a
+        hinge: stiffness and damping of the torsion spring in each joint between two links of a
             wire. The springs are unstressed if all links have the same angle.
     """
 
@@ -65,7 +65,7 @@ class Effects:
     damping: float = 0.0
     gravity: float = 0.0
     pairs: tuple[ContactPair, ...] = ()
-    hinges: tuple[tuple[float, float], ...] = ()
+    hinge: tuple[float, float] = (0.0, 0.0)
 
 
 class Placer:
@@ -149,8 +149,7 @@ class Scene:
         bodies = [hub, *self.links]
         self.put = Placer(bodies)
         self._links = [link._body for link in self.links]
-        hinges = effects.hinges or ((0.0, 0.0),) * (mechanism.wire_links - 1)
-        damping = [effects.damping, *(d for _, d in hinges)]
+        damping = [effects.damping] + [effects.hinge[1]] * (mechanism.wire_links - 1)
         self.joint_solver: Any
         if mechanism.single_link:
             self.joint_solver = LinkVelocity(mechanism, damping, hub, *self.links)
@@ -316,9 +315,8 @@ def _add_links(
             if effects.stiffness:
                 belt = (lag, effects.stiffness, effects.damping)
                 springs.append(pymunk.DampedRotarySpring(carrier, body, *belt))
-        elif effects.hinges:
-            hinge = effects.hinges[place - 1]
-            springs.append(pymunk.DampedRotarySpring(carrier, body, 0.0, *hinge))
+        elif effects.hinge[0]:
+            springs.append(pymunk.DampedRotarySpring(carrier, body, 0.0, *effects.hinge))
         joint = pymunk.PivotJoint(carrier, body, xy(anchor), xy(-link.centre))
         joint.error_bias = 1.0
         space.add(body, joint)

@@ -213,17 +213,9 @@ def _rigid_events(
     least = LEAST_OF_SINGLE_LINK if single else LEAST_COMPLIANCE_IN_SLIP
 
     yield Event(Kind.LOCKED, contact, lambda at: rigid.compliance_in_slip(at.state, index) - least)
-    yield Event(
-        Kind.RELEASE,
-        (contact,),
-        lambda at: sums_of(at.totals, index).normal,
-    )
+    yield Event(Kind.RELEASE, (contact,), lambda at: sums_of(at.totals, index).normal)
     if contact.slip == 0:
-        yield Event(
-            Kind.BREAKS_AWAY,
-            contact,
-            lambda at: rigid.spare_friction(at.totals, index),
-        )
+        yield Event(Kind.BREAKS_AWAY, contact, lambda at: rigid.spare_friction(at.totals, index))
     elif sense := contact.slip:
         yield Event(
             Kind.SLIP_STOPS,

@@ -12,6 +12,7 @@ I*, sec. II.9.
 
 from __future__ import annotations
 
+import itertools
 import math
 from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
@@ -307,10 +308,8 @@ def damped_interval(scene: Scene) -> float:
     links without joints, because the engine damps the links before the joints correct their
     velocities.
     """
-    links = scene.mechanism.links
-    belt = scene.effects.damping / links[0].inertia
-    joints = zip(scene.effects.hinges, links, links[1:], strict=False)
-    rate = max(
-        [belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)]
-    )
+    links = scene.mechanism.links[: scene.mechanism.wire_links]
+    damping = scene.effects.hinge[1]
+    bending = [damping * (1.0 / a.inertia + 1.0 / b.inertia) for a, b in itertools.pairwise(links)]
+    rate = max([scene.effects.damping / links[0].inertia, *bending])
     return MOST_DAMPING / rate if rate else math.inf

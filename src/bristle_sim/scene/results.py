@@ -81,8 +81,7 @@ def motion_in_si(
     hub = mechanism.root_angle(time, first)
     kinetic = np.zeros(len(time))
     potential = 0.5 * effects.stiffness * (angles[:, 0] - hub) ** 2
-    for number, (stiffness, _) in enumerate(effects.hinges):
-        potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
+    potential += 0.5 * effects.hinge[0] * (np.diff(angles) ** 2).sum(axis=1)
     places: list[Array] = []
     velocities: list[Array] = []
     for link, pose, rate in zip(mechanism.links[own], poses, rates.T, strict=True):

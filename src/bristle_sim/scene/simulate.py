@@ -284,11 +284,11 @@ def time_scale(scene: Scene) -> float:
     It is 1/omega with the angular frequency omega of the straight wire's fastest bending mode, but
     at most 1.
     """
-    if not (hinges := scene.effects.hinges):
+    if not scene.effects.hinge[0]:
         return 1.0
     links = scene.mechanism.wire_links
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
-    stiffness = twists.T @ np.diag([each for each, _ in hinges]) @ twists
+    stiffness = scene.effects.hinge[0] * twists.T @ twists
     mass = scene.mechanism.constants.products[:links, :links].real  # of the straight wire
     return 1.0 / math.sqrt(
         max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())

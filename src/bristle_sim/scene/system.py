@@ -184,7 +184,7 @@ class System:
         It does so in the rigid-body limit, and in the simulation of a single contact of rigid
         links. In any other contact the links may move noticeably while the spring acts.
         """
-        single = self.plan.single_contact and not self.scene.effects.hinges
+        single = self.plan.single_contact and not self.scene.effects.hinge[0]
         return single or not self.law.finite_duration
 
     def slip_error(self, fastest: State) -> float:

@@ -134,7 +134,7 @@ def build_tool(
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity * units.time / units.velocity,
         pairs=tuple(pairs),
-        hinges=wire_hinges(bristle, tool.belt.stiffness, units),
+        hinge=wire_hinge(bristle, tool.belt.stiffness, units),
     )
     return Scene(mechanism, effects), units
 
@@ -196,28 +196,25 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
     return tuple(links)
 
 
-def wire_hinges(
-    bristle: Bristle, root_stiffness: float, units: Units
-) -> tuple[tuple[float, float], ...]:
+def wire_hinge(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[float, float]:
     """Return stiffness and damping of the torsion spring in each joint between two links.
+
+    They are 0 for a wire of one link.
 
     Args:
         bristle: parameters of the bristle.
         root_stiffness: stiffness of the belt, N m/rad.
-        units: units of the scene.
-
-    Returns:
-        One pair (stiffness, damping) for each joint, in engine units.
+        units: units of the scene, which the results have too.
     """
     if bristle.links == 1:
-        return ()
+        return 0.0, 0.0
     diameter = bristle.wire_diameter
     length = bristle.length
     modulus = bristle.modulus
     stiffness = hinge_stiffness(diameter, length, modulus, bristle.links)
     shape = (bristle.mass, length, diameter, modulus, root_stiffness)
     damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
-    return ((stiffness / units.energy, damping / units.angular_damping),) * (bristle.links - 1)
+    return stiffness / units.energy, damping / units.angular_damping
 
 
 def wire_pairs(
