@@ -306,6 +306,7 @@ def _friction_of_printed_sum(depth: float, impact_angle: float) -> float:
     """
 
     def excess(logarithm: float) -> float:
+        """Return the relative excess of the depth at a friction whose logarithm is given."""
         friction = math.exp(logarithm)
         return _printed_sum(friction=friction, impact_angle=impact_angle) / depth - 1.0
 

@@ -110,15 +110,19 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
     rounding = system.rate_rounding(instant.state)
 
     def rate(at: Instant) -> float:
+        """Return the angular velocity of the wire's first link relative to the hub, rad/s."""
         return float(at.state.rates[link] - system.chain.speed)
 
     def acceleration(at: Instant) -> float:
+        """Return the angular acceleration of the wire's first link, rad/s^2."""
         return float(at.balance.accelerations[link])
 
     def upright(at: Instant) -> float:
+        """Return (pi/2)^2 minus the square of the angle from the radial direction, rad^2."""
         return (0.5 * math.pi) ** 2 - own.relative(at.state) ** 2
 
     def extreme(name: str, state: State) -> State:
+        """Record an extreme relative to the hub, but no highest speed that is rounding error."""
         if name == LARGEST_RETRACTION or rate(system.at(state)) > IDLE * rounding:
             own.event(name, state.time)
             system.check_stop(state)
@@ -146,6 +150,7 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
     found = []
 
     def gap(name: str, piece: int, at: Instant) -> float:
+        """Return the gap between an obstacle and a straight piece, m."""
         return float(at.gaps(name)[piece])
 
     def leave_dent(piece: int, state: State) -> State:
@@ -208,6 +213,7 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         """
 
         def ahead(time: float) -> State:
+            """Return the state extrapolated linearly by a time in s."""
             return State(state.time + time, state.angles + time * state.rates, state.rates)
 
         step = LOCKED / system.fastest
@@ -232,9 +238,11 @@ def _spring_events(system: System, instant: Instant, each: Compliant) -> list[Ev
     deeper = ROUNDING * system.size
 
     def opening(at: Instant) -> float:
+        """Return the normal velocity of the contact, m/s."""
         return float(at.touch(each.point).velocity[0])
 
     def excess(depth: float, at: Instant) -> float:
+        """Return the penetration minus ``depth``, m."""
         return each.level - at.touch(each.point).gap - depth
 
     deepest = each.law.deepest
@@ -263,12 +271,14 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
     slip = each.slip
 
     def sliding(at: Instant) -> float:
+        """Return the slip velocity in the sense of ``slip``, m/s: that of the foot, if there is one."""
         touch = at.contacts[number].touch
         if isinstance(each, Compliant):
             return each.foot(touch, slip)
         return slip * float(touch.velocity[1])
 
     def cone(at: Instant) -> float:
+        """Return the largest friction force minus the present friction force, N."""
         normal, tangential = at.balance.pushes[number].tolist()
         return float(each.friction * normal - abs(tangential))
 
@@ -287,9 +297,11 @@ def _place_events(system: System, instant: Instant, each: Sustained) -> list[Eve
     past = PAST * system.chain.length
 
     def foot(piece: int, at: Instant) -> float:
+        """Return the coordinate of the bar's centre along a straight piece, m."""
         return float(at.feet[piece])
 
     def move(point: Point, state: State) -> State:
+        """Let the contact act at another point of the wire, and return the state."""
         """Move the contact, and decide anew: the curvature of the path jumps, and the force with it."""
         each.point = point
         return decide(system, system.closed(state))

@@ -130,10 +130,12 @@ class Run:
         system = self.system
 
         def motion(times: Array) -> list[State]:
+            """Return the states at times within the step, projected onto the closed gaps."""
             pairs = zip(times.tolist(), values(times).T, strict=True)
             return [system.closed(self._state(*each)) for each in pairs]
 
         def along(event: Event, times: Array) -> Array:
+            """Return the values of an event function at times within the step."""
             return np.array([event.value(system.at(each)) for each in motion(times)])
 
         instants = [system.at(each) for each in motion(nodes(start, end))]

@@ -176,6 +176,7 @@ def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
         middle += uphill
 
     def slowness(direction: float) -> float:
+        """Return the negative of the tip speed, m/s; 0 without a strike."""
         speed = _place(strikes, direction).strike["tip_speed_at_contact"]
         return -speed if math.isfinite(speed) else 0.0
 

@@ -179,6 +179,7 @@ class Search:
         """
 
         def merit(fractions: Array) -> Array:
+            """Return the goal plus a penalty on deviations; NO_STRIKE if a pass lacks the quantities."""
             missed = np.abs(self.misses(fractions)).sum(axis=0)
             found = self.costs(fractions)[0] + PENALTY * missed
             return np.asarray(np.nan_to_num(found, nan=NO_STRIKE))
@@ -213,9 +214,11 @@ class Search:
         """
 
         def weighted(fractions: Array) -> Array:
+            """Return the weighted deviations beyond the accepted ones, shape (conditions, points)."""
             return np.asarray(weights[:, np.newaxis] * (self.misses(fractions) - missed))
 
         def merit(fractions: Array) -> Array:
+            """Return the sum of squares of the weighted deviations."""
             return np.asarray((weighted(fractions) ** 2).sum(axis=0))
 
         if starts is None:
@@ -315,6 +318,7 @@ def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Func
 
     @functools.lru_cache(maxsize=2)
     def at(text: bytes) -> tuple[Array, Array]:
+        """Return values and derivatives at the point whose coordinates have the bytes ``text``."""
         place = np.frombuffer(text)[:, np.newaxis]
         steps = step * np.eye(len(place))
         high = np.minimum(place + steps, 1.0)

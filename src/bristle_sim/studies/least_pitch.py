@@ -155,6 +155,7 @@ def least_pitch(
     last = float(lone.time[-1])
 
     def gap(pitch: float) -> float:
+        """Return the smallest gap between the two wires at a pitch, m."""
         delay = pitch / lone.hub_speed if of_follower else 0.0
         return nearest_approach(lone, pitch, min(until + delay, last)) - wire_diameter
 

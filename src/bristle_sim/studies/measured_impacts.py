@@ -226,9 +226,11 @@ def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
     from scipy.optimize import minimize
 
     def misfit(at: Array) -> float:
+        """Return the mean relative error of the velocities, with these coefficients."""
         return train.misfit(train.predicted(law, *bounded(at)))
 
     def bounded(at: Array) -> tuple[float, float]:
+        """Return friction and restitution, moved into their ranges."""
         return float(abs(at[0])), float(np.clip(at[1], 0.0, 1.0))
 
     starts = [np.array([mu, e]) for mu in (0.05, 0.15, 0.25, 0.4) for e in (0.3, 0.5, 0.7)]

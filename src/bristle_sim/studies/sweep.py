@@ -145,6 +145,7 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
     """
 
     def typed(values: Any) -> Any:
+        """Return a list of numbers and words as an array of objects, any other value unchanged."""
         if isinstance(values, tuple) and len(values) > 1:
             return (values[0], typed(values[1]), *values[2:])
         words = isinstance(values, list) and np.asarray(values).dtype.kind == "U"

@@ -246,6 +246,7 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
         return impacts
 
     def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
+        """Simulate the impact with a contact of this duration (s); return it with the compression time."""
         law = Contact("compliant", duration)
         found = strike(impacts.chain, impacts.surface, law, Settings())
         assert found.contact.history is not None  # it is resolved in time

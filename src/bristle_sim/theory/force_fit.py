@@ -228,6 +228,7 @@ def _fitted(time: Array, force: Array, pulse: _Pulse) -> ForceFit | None:
         return curve, begins, level[0] if based else 0.0
 
     def forces(since: Array, *unknowns: float) -> Array:
+        """Return the model's force (N) at times since the pulse's start, divided by its duration."""
         curve, begins, level = model(np.array(unknowns))
         return np.asarray(curve(np.clip(length * since - begins, 0.0, curve.duration))) + level
 

@@ -127,6 +127,7 @@ def _mean_spacing(profile: Array, least: float) -> float | None:
         return None
 
     def crossing(rise: int) -> float:
+        """Return the place at which the profile rises through the mean line, in point distances."""
         first = beyond[rise] + np.flatnonzero(profile[beyond[rise] : beyond[rise + 1]] < 0.0)[-1]
         return float(first + profile[first] / (profile[first] - profile[first + 1]))
 
