@@ -50,6 +50,10 @@ MOST_FASTER = 1.5
 """Ratio of the opening velocity of a gap at the end of the time ``OPENING`` to that at its start,
 above which a rebound that ends within this time is searched for."""
 
+EARLIER = 0.7
+"""Ratio of a time to the next later one at which an open and closing gap is searched for. In a rebound
+of constant acceleration the gap closes in its second half, so from 0.5 of its duration on."""
+
 LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, as a fraction of the interval
 MOST_HALVINGS = 40  # largest number of bisections of an interval, down to rounding error
 
@@ -116,9 +120,10 @@ def _search_hop(
     instant = min(system.plan.instant, length)
     closest = partial(system.closest, pair)
     touch = closest(interval.end.state)
-    outside = touch.gap >= -GAP_ROUNDING
+    closes = touch.velocity[0] < 0.0
+    outside = touch.gap >= (GAP_ROUNDING if closes else -GAP_ROUNDING)
     at_start = closest(interval.start).gap
-    if outside or (touch.velocity[0] >= 0.0 and touch.gap >= at_start):
+    if outside or (not closes and touch.gap >= at_start):
         return (interval, None) if shortened else None
     gap = closest(interval.at(instant).state).gap
     if gap <= 0.0 and instant < length:
@@ -176,7 +181,12 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
         # The gap may have closed and opened again: at a corner of the link, its acceleration jumps.
         leaves = closest(interval.start).velocity[0]
         if leaves * within > GAP_ROUNDING and opening.velocity[0] > MOST_FASTER * leaves:
-            dip = first_touch(system.mechanism, closest, interval, error, 0.0, within / length)
+            following, time, touch = within, within, opening
+            while leaves * time > GAP_ROUNDING and (touch.gap < 0.0 or touch.velocity[0] > 0.0):
+                following, time = time, EARLIER * time
+                touch = closest(interval.at(time).state)
+            ends = (time / length, following / length)
+            dip = first_touch(system.mechanism, closest, interval, error, *ends)
             if dip is not None:
                 return _search_hop(system, interval, pair, dip * length)
         near_start = min(1.0, NEAR_START * (within / length) ** 2)
