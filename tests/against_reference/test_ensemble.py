@@ -184,15 +184,9 @@ def test_taps_die_out_just_before_the_bar_reaches_the_wires_end():
     assert many.contact_time == pytest.approx(measured(tool, run)["contact_time"][0], rel=1e-9)
 
 
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-6, 1e-7, 1e-9])
 @pytest.mark.parametrize(
-    ("values", "accuracy"),
-    [
-        *(
-            (TAPS_BEFORE_ITS_END_IS_REACHED, accuracy)
-            for accuracy in (1e-4, 1e-5, 1e-6, 1e-7, 1e-9)
-        ),
-        *((TAPS_WITH_THE_LAST_BIT_OF_ITS_FLANK, accuracy) for accuracy in (1e-7, 1e-8, 1e-9)),
-    ],
+    "values", [TAPS_BEFORE_ITS_END_IS_REACHED, TAPS_WITH_THE_LAST_BIT_OF_ITS_FLANK]
 )
 def test_the_scene_finds_a_tap_that_ends_before_the_search_for_touches_begins(
     values: dict[str, float], accuracy: float
