@@ -215,3 +215,38 @@ def test_a_tip_of_two_links_whose_slip_stops_sticks_before_it_slips_back():
     reference = bs.simulate_reference(tool, accuracy=1e-8, hub_turn=1.35)
     expected = next(each for each in reference.contacts if each.law == "sustained")
     assert drag.impulse == pytest.approx(expected.impulse, rel=1.2e-3)
+
+
+def test_a_sticking_tip_whose_slip_friction_would_lock_leaves_the_workpart():
+    """The tangential force reaches the friction cone while the tip is pressed on with 0.65 N.
+
+    In slip a normal force would draw the tip in, so slip has no stable force. Without the force the tip opens.
+    """
+    tool = bs.Tool().replace(
+        hub_speed=186.0,
+        bristle_length=0.0451,
+        wire_diameter=0.000414,
+        wire_links=2,
+        wire_damping_ratio=0.111,
+        belt_stiffness=0.0723,
+        belt_damping_ratio=0.246,
+        friction=0.849,
+        restitution=0.0,
+        bar_restitution=0.635,
+        bar_radius=0.00358,
+        bar_horizontal=0.0642,
+        bar_vertical=0.0222,
+        penetration=0.00934,
+    )
+    run = bs.simulate(tool)
+    reference = bs.simulate_reference(tool, accuracy=1e-8)
+    assert run.stop_reason == reference.stop_reason == "end of the planned time"
+    first, second = (
+        next(
+            each for each in ran.contacts if each.law == "sustained" and each.obstacle == "workpart"
+        )
+        for ran in (run, reference)
+    )
+    assert first.outcome == second.outcome == "release"
+    # Ten accuracies of the time scale of the belt, 1 ms.
+    assert first.duration == pytest.approx(second.duration, rel=0.0, abs=1e-8)

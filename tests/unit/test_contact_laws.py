@@ -8,7 +8,7 @@ import pytest
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.contact_space.joints import joined
 from bristle_sim.parameters import Bristle, Surface, Tool
-from bristle_sim.scene.impacts import EngineLaw, contact_at
+from bristle_sim.scene.impacts import EnergeticLaw, EngineLaw, contact_at
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
 from bristle_sim.scene.strike import Chain, build_strike
@@ -63,6 +63,25 @@ class TestEngineLaw:
             None,
             None,
         )
+
+
+@pytest.mark.parametrize("bend", [-1e-10, -1e-12, 0.0, 1e-12, 1e-10])
+def test_an_error_of_the_directions_does_not_let_a_straight_chain_stick(bend: float) -> None:
+    """Slip and approach of a straight chain end at p = -v_n/(K_nn - mu s K_nt), with s the sense of slip.
+
+    Bent by an error, its slip may end first. The remaining approach would need an impulse of 1e9 N s or more.
+    """
+    chain = Chain((1.0, 1.0), (1.0, 1.0), (-0.5 + bend, -0.5), (1.0, 2.0))
+    scene, state, pair, _ = build_strike(chain, Surface(0.6, None, 0.0))
+    point = contact_at(scene.mechanism, state, pair)
+    _, record = EnergeticLaw(1e-8).resolve(scene, state, pair)
+    normal, slip = point.touch.velocity
+    inverse, coupling = point.inverse_mass[0]
+    expected = -normal / (inverse - 0.6 * math.copysign(coupling, slip * coupling))
+    assert record.outcome == "no rebound"
+    assert record.impulse == pytest.approx(
+        (expected, -0.6 * math.copysign(expected, slip)), rel=1e-8, abs=0.0
+    )
 
 
 def test_a_wire_flies_after_an_impact_of_the_engine_as_before_it() -> None:

@@ -145,8 +145,8 @@ class EnergeticLaw(ContactLaw):
     """The instantaneous law of Stronge's energetic restitution with Coulomb friction.
 
     Attributes:
-        accuracy: relative error of the velocities before the impact. ``ending_together`` corrects
-            the slip velocity by at most this error.
+        accuracy: relative error of the velocities, and error of the links' directions (rad), before
+            the impact. ``ending_together`` corrects the slip velocity by at most this error.
         tangential_compliance: tangential compliance eta^2 of the contact, dimensionless.
     """
 
@@ -161,6 +161,9 @@ class EnergeticLaw(ContactLaw):
             The state after the impact and the contact record, in engine units.
         """
         point = contact_at(scene.mechanism, state, pair)
+        if point.stick_compliance <= self.accuracy**2 * point.inverse_mass[0][0]:
+            # It may come from an error of the links' directions, as of a chain that should be straight.
+            point = point._replace(stick_compliance=0.0)
         before = ending_together(point, self.accuracy)
         impact = impact_at(point, before, pair, self.tangential_compliance)
         impulse = (impact.impulse_normal, impact.impulse_tangential)

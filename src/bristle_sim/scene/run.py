@@ -129,6 +129,8 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         system.pairs[subject] = replace(system.pairs[subject], dent=0.0)
     elif kind is not Kind.KINK:
         subject.slip = _sense_after(system, event)
+        if kind is Kind.BREAKS_AWAY and _opens(system, motion, subject):
+            return decide(system, motion, Happening(Kind.RELEASE, (subject,)))
     return motion if system.recording.stop_reason is not None else begin_motion(system, motion)
 
 
@@ -140,6 +142,19 @@ def _sense_after(system: System, event: Happening) -> int:
     # Geometry and hub alone determine how a single link slips, so the slip that stops is reversed.
     # Several links may stick.
     return -(contact.slip or 0) if system.mechanism.single_link else 0
+
+
+def _opens(system: System, motion: Motion, contact: ActiveContact) -> bool:
+    """Return whether a contact that breaks away from stick opens, because slip would be unstable.
+
+    At the edge of the friction cone stick and slip have the same normal force N > 0. In slip the
+    normal acceleration is A N + b = 0 with the compliance A in slip and the acceleration b without
+    the contact's forces. If A is negative, b is positive: without forces the contact opens, and the
+    force of slip would grow or fall without bound (Painleve's paradox).
+    """
+    rigid = motion.rigid
+    assert rigid is not None
+    return rigid.compliance_in_slip(system.state, rigid.closed.index(contact)) <= 0.0
 
 
 def begin_motion(system: System, given: Motion) -> Motion:
