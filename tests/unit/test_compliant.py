@@ -410,7 +410,7 @@ def test_slip_at_rest_ends_where_its_friction_leaves_both_coefficients(
     moved = state._replace(angles=tuple(a + 1e-4 * w for a, w in zip(*state[1:], strict=True)))
     slip = system.closest(pair, moved).velocity[1]
     spring.slip = int(math.copysign(1.0, slip))
-    deepest = spring.penetration(system.closest, moved)
+    deepest = system.penetration(spring, moved)
     spring.law = dataclasses.replace(spring.law, deepest=deepest)
     spring.at_rest = True
     force = spring.law.stiffness * deepest

@@ -33,7 +33,7 @@ def penetrating(
     moved = tuple(a + 1e-4 * w for a, w in zip(start.angles, start.rates, strict=True))
     plan = Plan(1.0, 1e-6, single_contact=single)
     system = System(scene, start._replace(angles=moved), Extrapolation(1e-6), plan, law=law)
-    return system, spring, spring.penetration(system.closest, system.state)
+    return system, spring, system.penetration(spring)
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

@@ -116,12 +116,12 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
         The least opening rate of ``pair`` and any other closed pair, in engine units of angular
         velocity; infinite if no other closed pair has a lever of the opposite sign.
     """
-    touch = system.closest(pair, system.state)
+    touch = system.closest(pair)
     lever = cross(touch.arm, touch.normal)
     rates = [math.inf]
     for other in system.pairs:
         if other is not pair:
-            second = system.closest(other, system.state)
+            second = system.closest(other)
             second_lever = cross(second.arm, second.normal)
             if abs(second.gap) <= GAP_ROUNDING and lever * second_lever < 0.0:
                 drift = touch.velocity[0] / abs(lever)
@@ -172,7 +172,7 @@ def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact
     for spring in motion.springs:
         spring.at_rest = False
         if spring.law.loading and system.approach(spring.pair) > 0.0:
-            spring.unload(spring.penetration(system.closest, system.state))
+            spring.unload(system.penetration(spring))
         look_up_slip(system, motion, spring)
     return tuple(motion.springs)
 

@@ -251,9 +251,7 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
         motion.limit = min(motion.limit, max(motion.release_in, system.plan.shortest))
     if motion.separating:
         motion.separating = tuple(
-            pair
-            for pair in motion.separating
-            if system.closest(pair, system.state).gap <= GAP_ROUNDING
+            pair for pair in motion.separating if system.closest(pair).gap <= GAP_ROUNDING
         )
 
 

@@ -77,7 +77,7 @@ def first_motion(system: System) -> Motion:
     """
     motion = begin_motion(system, Motion())
     for pair in system.pairs:
-        touch = system.closest(pair, system.state)
+        touch = system.closest(pair)
         closes = abs(touch.gap) <= GAP_ROUNDING and touch.velocity[0] <= 0.0
         if closes and system.recording.stop_reason is None:
             motion = decide(system, motion, Happening(Kind.TOUCH, pair))
@@ -164,7 +164,7 @@ def begin_motion(system: System, given: Motion) -> Motion:
     no contact has a spring. The second is that no force can keep a rigid contact closed.
     """
     springs = given.springs
-    if not (system.recording.stop_reason or system.waiting or springs):
+    if not (system.waiting or springs):
         system.stop(StopReason.EVENT)
         return Motion()
     ordered = given.ordered
@@ -288,7 +288,7 @@ def _after_spring_event(
         spring.rows[-1] = (time, 0.0, 0.0, *velocity)
         _add_limit_error(system, spring)
     staying = end_contacts(system, motion.contacts, [spring], outcome)
-    gap = system.closest(pair, system.state).gap
+    gap = system.closest(pair).gap
     if gap < -system.plan.accuracy:
         # The tip remains in a dent. The bottom of the dent is the surface from here on.
         ground = replace(pair, dent=pair.dent - gap)

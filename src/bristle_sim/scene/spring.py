@@ -115,10 +115,6 @@ class SpringContact(ActiveContact):
     compression: tuple[Vector, Vector] | None = None
     stopped_at: tuple[State, Vector, Vector, int, int] | None = None
 
-    def penetration(self, closest: Closest, state: State) -> float:
-        """Return the penetration in a state; ``closest`` is ``System.closest``."""
-        return self.surface - closest(self.pair, state).gap
-
     def follow_bodies(self, scene: Scene, state: State) -> None:
         """Update the inverse mass matrix in stick and in slip at rest, where forces depend on it."""
         if self.at_rest or not self.slip:

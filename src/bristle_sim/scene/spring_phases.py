@@ -77,7 +77,7 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
 
 def look_up_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     """Set whether a contact point slips, and in which sense, or sticks; record the new phase."""
-    slip = system.closest(spring.pair, system.state).velocity[1]
+    slip = system.closest(spring.pair).velocity[1]
     if abs(slip) > system.slip_error(spring.start) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
     else:
@@ -94,7 +94,7 @@ def change_spring(
         The contact's outcome if it ends; None if it continues.
     """
     before = (spring.law.loading, spring.slip)
-    penetration = spring.penetration(system.closest, system.state)
+    penetration = system.penetration(spring)
     if spring.elastic:
         spring.stick_force = spring.forces(penetration)[1]
     outcome = _change(system, motion, spring, kind)
@@ -121,7 +121,7 @@ def change_spring(
 
 def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -> Outcome | None:
     """Apply an event to a contact, and return its outcome; None if the contact continues."""
-    penetration = spring.penetration(system.closest, system.state)
+    penetration = system.penetration(spring)
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         # The force of a tangential spring begins its next oscillation at the friction of compression.
         spring.at_rest = False
@@ -170,7 +170,7 @@ def _end_compression(system: System, motion: Motion, spring: SpringContact) -> O
     A contact without restitution ends with compression. In a contact that continues, slip that has
     stopped may start again.
     """
-    spring.unload(spring.penetration(system.closest, system.state))
+    spring.unload(system.penetration(spring))
     if spring.law.restitution == 0.0:
         return Outcome.NO_REBOUND
     if _ends_in_stiction(system, spring):
@@ -199,7 +199,7 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
     law = spring.law
     if (law.restitution_friction - law.friction) * spring.slip * coupling <= 0.0:
         return False
-    slip = system.closest(spring.pair, system.state).velocity[1]
+    slip = system.closest(spring.pair).velocity[1]
     if spring.slip * slip <= spring.least_slip_at_rest:
         return False
     before = spring.stick_force
@@ -229,11 +229,11 @@ def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     spring.follow_bodies(system.scene, system.state)
     probe, sums = _probe(system, motion, spring)
     spring.stick_force = force = sums.tangential_at_start
-    penetration = spring.penetration(system.closest, system.state)
+    penetration = system.penetration(spring)
     if spring.law.loading and not spring.impulse[0]:
         # Both forces are zero at the first touch.
         force = sums.tangential
-        penetration = spring.penetration(system.closest, probe.state)
+        penetration = system.penetration(spring, probe.state)
     limit = CONE_ROUNDING * spring.spare_friction(penetration, 0.0)
     if not spring.compliance_in_stick:  # the probe is free of friction
         slip = system.closest(spring.pair, probe.state).velocity[1]
@@ -251,7 +251,7 @@ def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
     force on the cone's edge gives the sense in which the velocity grows.
     """
     pair = spring.pair
-    touch = system.closest(pair, system.state)
+    touch = system.closest(pair)
     at_edge = spring.set_foot(spring.surface - touch.gap, system.along(pair, system.state))
     force = spring.stick_force
     smooth = not spring.law.coefficient

@@ -14,6 +14,7 @@ from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.impacts import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.pairs import BarPair, ClosestApproach, ContactPair, WorkpartPair
+from bristle_sim.scene.spring import SpringContact
 from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
@@ -194,9 +195,14 @@ class System:
         """
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 
-    def closest(self, pair: ContactPair, state: State) -> ClosestApproach:
-        """Return the closest approach of a pair in a state."""
+    def closest(self, pair: ContactPair, state: State | None = None) -> ClosestApproach:
+        """Return the closest approach of a pair in a state, by default the present state."""
+        state = state or self.state
         return pair.closest(self.mechanism.poses(state), state.rates)
+
+    def penetration(self, spring: SpringContact, state: State | None = None) -> float:
+        """Return the penetration of a contact in a state, by default the present state."""
+        return spring.surface - self.closest(spring.pair, state).gap
 
     def along(self, pair: ContactPair, state: State) -> float:
         """Return the x coordinate (engine units) of a pair's contact point, along the workpart."""
@@ -205,7 +211,7 @@ class System:
 
     def approach(self, pair: ContactPair) -> float:
         """Return the normal velocity (engine units) of a contact point, negative in approach."""
-        return self.closest(pair, self.state).velocity[0]
+        return self.closest(pair).velocity[0]
 
     def sample(
         self,
@@ -291,7 +297,7 @@ class System:
                     for state in (self.state, end)
                 )
                 if now <= AT_JOINT and (
-                    later <= AT_JOINT or self.closest(pair, self.state).gap <= GAP_ROUNDING
+                    later <= AT_JOINT or self.closest(pair).gap <= GAP_ROUNDING
                 ):
                     return True
         return False
