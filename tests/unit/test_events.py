@@ -123,7 +123,7 @@ def test_the_error_of_a_gap_on_the_polynomial_is_bounded(
         bound = polynomial_error(system, moved)
         for part in (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8):
             exact = swing(fastest, begin + part * length).angles[0]
-            worst = max(worst, abs(moved.at(part * length).state.angles[0] - exact) / bound)
+            worst = max(worst, abs(moved.at(part * length).angles[0] - exact) / bound)
     assert 0.1 < worst < 1.0
 
 

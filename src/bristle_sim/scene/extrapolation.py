@@ -220,8 +220,12 @@ class Extrapolation:
         for row, count in enumerate(table.counts[: bisect(table.noise, self.noise)]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
-            begun = [spring(step) for spring in springs]
-            acts = [act for act, _ in begun]
+            acts = []
+            reads = []
+            for spring in springs:
+                act, read = spring(step)
+                acts.append(act)
+                reads.append(read)
             values = scene.step(
                 step, count, acts, symmetric=symmetric, middle=halves if halved else None
             )
@@ -231,7 +235,7 @@ class Extrapolation:
                 failed = rigid.fails(values[3 * links :])
                 if failed:
                     break
-            for _, read in begun:
+            for read in reads:
                 values += read()
             if row + 1 >= least:
                 columns = [*zip(*results, strict=True)]

@@ -13,7 +13,7 @@ from typing import Any
 
 from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, ROUNDED_TOLERANCES, TURNS, Event
 from bristle_sim.scene.extrapolation import IntervalResult
-from bristle_sim.scene.mechanism import Curve
+from bristle_sim.scene.mechanism import Curve, State
 from bristle_sim.scene.system import LEAST_VALUE, System
 
 LOCATED_VALUE = 1e-3
@@ -75,19 +75,19 @@ class Interval:
         self.instant = ONE_INSTANT * (1.0 + end.state.time)
         self._curve: Curve | None = None
 
-    def at(self, time: float) -> IntervalResult:
-        """Return a result, with the state alone, at a time after the start, by interpolation.
-
-        The polynomial passes through the states at the start, at the end and, if the integrator has
-        computed it, in the middle.
-        """
+    def at(self, time: float) -> State:
+        """Return the state at a time after the start, on the interpolating polynomial."""
         if time == 0.0:
-            return IntervalResult(self.start)
+            return self.start
         if time == self.length:
-            return IntervalResult(self.end.state)
+            return self.end.state
         if self._curve is None:
             self._curve = Curve(self.start, self.end.middle, self.end.state)
-        return IntervalResult(self._curve.at(time))
+        return self._curve.at(time)
+
+    def estimate(self, time: float) -> IntervalResult:
+        """Return a result that contains the interpolated state at a time alone."""
+        return IntervalResult(self.at(time))
 
     def up_to(self, end: IntervalResult) -> Interval:
         """Return the interval shortened to an earlier end.
@@ -190,7 +190,7 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """
     sense = -float(event.direction)
     length = interval.length
-    results = [interval.at(part * length) for part in (0.0, 0.25, 0.5, 0.75)]
+    results = [interval.estimate(part * length) for part in (0.0, 0.25, 0.5, 0.75)]
     values = [sense * event.value(result) for result in (*results, interval.end)]
     if math.isnan(sum(values)) or values[-1] < 0.0:
         return interval
@@ -244,12 +244,12 @@ def settle(
         first, last: earliest and latest time of the zero, from the interval's start.
         tolerance: largest magnitude of the function that counts as zero.
     """
-    left = value(interval.at(first))
-    right = value(interval.at(last))
+    left = value(interval.estimate(first))
+    right = value(interval.estimate(last))
     if not left * right < 0.0:  # NaN where the state does not determine the function
         return None
     rounding = GUESS_TOLERANCE * max(abs(left), abs(right))
-    near = locate(value, interval.at, first, last, left, right, rounding)
+    near = locate(value, interval.estimate, first, last, left, right, rounding)
     longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
     for trial in range(MOST_GUESSES):
@@ -304,9 +304,7 @@ def locate(
     at_right: float,
     tolerance: float,
 ) -> float:
-    """Return the time between two others at which a function of the motion is zero.
-
-    The function has opposite signs at the two given times.
+    """Return the time at which a function of the motion is zero, between two of opposite signs.
 
     The method is false position with the weights of Anderson and Bjorck, followed by bisection
     after ``MOST_LINES`` evaluations, as at a jump. At the returned time the magnitude of the

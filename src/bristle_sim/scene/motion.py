@@ -278,7 +278,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
             system.sample(begins, state=interval.start)
         if system.mechanism.single_link and len(ends) == 1 and interval.length >= SHORTEST_SAMPLED:
             for part in INNER_SAMPLES:
-                guess = interval.at(part * interval.length).state
+                guess = interval.at(part * interval.length)
                 force = first + part * (sums.normal - first) - part * (1.0 - part) * bend
                 system.sample({contact: force}, state=system.scene.joint_solver.set_back(guess))
         motion.rigid.engage(system.state)

@@ -125,7 +125,7 @@ def _search_hop(
     at_start = closest(interval.start).gap
     if outside or (not closes and touch.gap >= at_start):
         return (interval, None) if shortened else None
-    gap = closest(interval.at(instant).state).gap
+    gap = closest(interval.at(instant)).gap
     if gap <= 0.0 and instant < length:
         gap = closest(integrate_to(instant).state).gap
     # A small rebound of a single rigid link has no effect. With several links, one link may rebound
@@ -140,7 +140,7 @@ def _search_hop(
         return interval.up_to(end), Happening(Kind.REST, pair)
     time = length
     shortest = LEAST_HOP * length
-    while time > shortest and (above := closest(interval.at(time).state).gap) < -GAP_ROUNDING:
+    while time > shortest and (above := closest(interval.at(time)).gap) < -GAP_ROUNDING:
         time = 0.5 * time
     if time < length and above > 0.0:
         ends = (time, 2.0 * time)
@@ -177,7 +177,7 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
     if pair in motion.separating:
         begin = OPENING * min(system.plan.longest_interval, system.plan.time_scale)
         within = min(begin, length)
-        opening = closest(interval.at(within).state)
+        opening = closest(interval.at(within))
         # The gap may have closed and opened again: at a corner of the link, its acceleration jumps.
         leaves = closest(interval.start).velocity[0]
         if leaves * within > GAP_ROUNDING and opening.velocity[0] > MOST_FASTER * leaves:
@@ -197,7 +197,7 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
         times = (0.0, 0.5 * length, length)
         sustained = [contact.pair for contact in motion.contacts]
         rests = sustained and all(
-            abs(closest(interval.at(time).state).gap) <= GAP_ROUNDING for time in times
+            abs(closest(interval.at(time)).gap) <= GAP_ROUNDING for time in times
         )
         if rests or system.behind_joint(pair, [*motion.separating, *sustained], interval.end.state):
             return None
@@ -241,7 +241,7 @@ def _integrated_touch(
         last = 0.5 * (begin + last)
         touch = closest(integrate_to(last).state)
     if touch.gap < 0.0:
-        at_begin = max(closest(interval.at(begin).state).gap, 1e-300)
+        at_begin = max(closest(interval.at(begin)).gap, 1e-300)
         last = locate(
             lambda at: closest(at.state).gap,
             integrate_to,
@@ -293,22 +293,22 @@ def first_touch(
     ends = (interval.start, interval.end.state)
     bound = 1.5 * max(map(mechanism.speed_bound, ends)) * length
     fraction = begin
-    touch = closest(interval.at(begin * length).state)
+    touch = closest(interval.at(begin * length))
     while fraction < last and touch.gap <= bound * (last - fraction) + margin:
         advance = max(touch.gap / bound if bound else 1.0, LEAST_ADVANCE * last)
         ahead = min(last, fraction + advance)
-        following = closest(interval.at(ahead * length).state)
+        following = closest(interval.at(ahead * length))
         if following.gap < 0.0:
             return ahead
         if touch.velocity[0] < 0.0 < following.velocity[0]:
             left, right = fraction, ahead
             while right - left >= 2.0**-MOST_HALVINGS:
                 middle = 0.5 * (left + right)
-                inside = closest(interval.at(middle * length).state)
+                inside = closest(interval.at(middle * length))
                 if inside.gap < 0.0:
                     return middle
                 left, right = (middle, right) if inside.velocity[0] < 0.0 else (left, middle)
-            near = closest(interval.at(right * length).state).gap < margin * min(
+            near = closest(interval.at(right * length)).gap < margin * min(
                 1.0, NEAR_START * right**2
             )
             if near and right * max(length, bound) > SHORTEST_ADVANCE:
