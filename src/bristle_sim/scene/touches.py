@@ -184,7 +184,7 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
             following, time, touch = within, within, opening
             while leaves * time > GAP_ROUNDING and (touch.gap < 0.0 or touch.velocity[0] > 0.0):
                 following, time = time, EARLIER * time
-                touch = closest(interval.at(time).state)
+                touch = closest(interval.at(time))
             ends = (time / length, following / length)
             dip = first_touch(system.mechanism, closest, interval, error, *ends)
             if dip is not None:
