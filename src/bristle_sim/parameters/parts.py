@@ -263,9 +263,9 @@ class Bar(Declared):
         (m), shape (..., corners). The points have the shape (..., corners - 1).
         """
         start = lines[..., :-1]
-        along = np.diff(lines)
-        towards = np.conj(along) * (complex(*self.centre) - start)
-        return start + np.clip(towards.real / abs(along) ** 2, 0.0, 1.0) * along
+        along = lines[..., 1:] - start
+        fraction = ((complex(*self.centre) - start) / along).real
+        return start + fraction.clip(0.0, 1.0) * along
 
 
 @dataclass(frozen=True, slots=True)

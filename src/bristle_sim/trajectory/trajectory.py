@@ -174,36 +174,38 @@ class Trajectory(Motion):
         and the distance by which its normal velocity would miss that of the record within the run.
         """
         lines = self.centre_line @ (1.0, 1j)
-        velocities = self.centre_line_velocity @ (1.0, 1j)
-        rounding = CORNER_ROUNDING * tool.bristle.length
         duration = float(self.time[-1] - self.time[0])
         contacts = []
         for contact in self.contacts:
             sample = int(abs(self.time - contact.time).argmin())
             if contact.law == "sustained":  # it begins after the impacts at this instant
-                sample = int(np.searchsorted(self.time, self.time[sample], side="right")) - 1
+                sample = int(self.time.searchsorted(self.time[sample], side="right")) - 1
             corners = lines[sample]
-            velocity = velocities[sample]
+            normals: Any = 1j
             if contact.obstacle == "workpart":
                 places = corners[1:]
-                speeds = velocity[1:].imag
                 gaps = abs(places.imag + tool.workpart_depth)
             elif tool.bar is not None and contact.obstacle == "bar":
                 places = tool.bar.closest(corners)
-                along = ((places - corners[:-1]) / np.diff(corners)).real
-                away = places - complex(*tool.bar.centre)
-                gaps = abs(away)
-                moving = velocity[:-1] + along * np.diff(velocity)
-                speeds = (np.conj(away) * moving).real / gaps
+                normals = places - complex(*tool.bar.centre)
+                gaps = abs(normals)
+                normals /= gaps
             else:
                 contacts.append(contact)
                 continue
-            missed = gaps + duration * abs(speeds - contact.velocity_before[0])
-            place = complex(places[missed.argmin()])
+            nearest = 0
+            if places.size > 1:
+                velocity = self.centre_line_velocity[sample] @ (1.0, 1j)
+                along = ((places - corners[:-1]) / np.diff(corners)).real
+                moving = velocity[:-1] + along * np.diff(velocity)
+                speeds = (np.conj(normals) * moving).real
+                missed = gaps + duration * abs(speeds - contact.velocity_before[0])
+                nearest = missed.argmin()
+            place = complex(places[nearest])
             distances = abs(corners - place)
             corner = int(distances.argmin())
             name = "flank"
-            if corner and distances[corner] <= rounding:
+            if corner and distances[corner] <= CORNER_ROUNDING * tool.bristle.length:
                 name = "tip" if corner == len(corners) - 1 else "knee"
             contacts.append(
                 dataclasses.replace(contact, point=name, place=(place.real, place.imag))
