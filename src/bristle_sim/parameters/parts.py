@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from bristle_sim.arrays import Number
 from bristle_sim.declared import Computed, Declared, declarations
 from bristle_sim.fields import ANY, choice, count, quantity
