@@ -83,6 +83,33 @@ def true_error(
     return max(abs(angle - exact[0]), abs(end.rates[0] - mechanism.hub_speed - exact[1]))
 
 
+def test_an_interval_without_a_fourth_repetition_adds_little_to_the_error() -> None:
+    """The estimate is at most a quarter of the permitted error, and the error a quarter of the estimate."""
+    rng = np.random.default_rng(7)
+    stepper = Extrapolation(1e-3)
+    errors = []
+    for _ in range(300):
+        scene, start, equation = random_flight(rng)
+        result = stepper.advance(scene, start, float(rng.uniform(0.3, 1.6)))
+        if result.errors.keys() == {2} and result.error <= stepper.noise:
+            errors.append(true_error(scene, start, equation, result.state))
+    assert len(errors) > 10
+    assert max(errors) < stepper.noise / 16.0
+
+
+def test_an_interval_after_an_overflow_is_as_accurate_as_before() -> None:
+    """The engine starts a step from the joint impulses of the last one, which are not numbers then."""
+    links = tuple(Link.rod(1.0, 1.0) for _ in range(3))
+    scene = Scene(Mechanism(links, 1.0, 1.0, 0.0), Effects(stiffness=0.3))
+    start = State(0.0, (0.1,) * 3, (1.0,) * 3)
+    stepper = Extrapolation(1e-9)
+    expected = stepper.advance(scene, start, 0.1)
+    assert stepper.advance(scene, start._replace(rates=(1e308,) * 3), 0.1).error == math.inf
+    found = stepper.advance(scene, start, 0.1)
+    assert found.error <= stepper.noise
+    assert np.abs(np.subtract(found.state.rates, expected.state.rates)).max() < stepper.noise
+
+
 def test_error_of_random_flights_is_within_estimate_and_accuracy(
     record_property: Callable[[str, object], None],
 ) -> None:

@@ -290,6 +290,24 @@ class Scene:
         for joint in self.joints:
             joint.max_force = math.inf
 
+    def recover(self) -> None:
+        """Remove numbers that are not finite from the engine after an overflow.
+
+        The joints are replaced by new ones without stored impulses, from which all further steps
+        would start. The bodies are placed, so that they have angles again when they are placed the
+        next time: the engine multiplies their old rotation by zero and adds it to the position.
+        """
+        space = self.space
+        springs = [each for each in space.constraints if each not in self.joints]
+        space.remove(*space.constraints)
+        self.joints = [
+            pymunk.PivotJoint(each.a, each.b, each.anchor_a, each.anchor_b) for each in self.joints
+        ]
+        for joint in self.joints:
+            joint.error_bias = 1.0
+        space.add(*self.joints, *springs)
+        self.put(None)
+
 
 def _add_links(
     space: pymunk.Space, mechanism: Mechanism, effects: Effects, hub: pymunk.Body
