@@ -279,8 +279,9 @@ class RigidContacts:
             contact: the contact, which must be closed already.
             error: error of a velocity, in scene units.
         """
-        single_link = self.scene.mechanism.single_link
-        slip = self._slip_velocity(contact, state)
+        mechanism = self.scene.mechanism
+        single_link = mechanism.single_link
+        slip = contact.pair.closest(mechanism.poses(state), state.rates).velocity[1]
         least = max(LEAST_SLIP, error)
         if abs(slip) <= least and single_link:
             slip = self.slip_acceleration(contact, state)
@@ -294,10 +295,7 @@ class RigidContacts:
         """Return the tangential acceleration of a contact point that stays on its obstacle."""
         later = state.moved(MOMENT, [0.0] * len(state.rates))
         before, after = (
-            self._slip_velocity(contact, self._solver.set_back(each)) for each in (state, later)
+            contact.pair.closest(self.scene.mechanism.poses(each), each.rates).velocity[1]
+            for each in map(self._solver.set_back, (state, later))
         )
         return (after - before) / MOMENT
-
-    def _slip_velocity(self, contact: ClosedPair, state: State) -> float:
-        poses = self.scene.mechanism.poses(state)
-        return contact.pair.closest(poses, state.rates).velocity[1]

@@ -134,7 +134,7 @@ def build_tool(
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity * units.time / units.velocity,
         pairs=tuple(pairs),
-        hinge=wire_hinge(bristle, tool.belt.stiffness, units),
+        hinge=wire_hinge(bristle, tool.belt.stiffness, units) if bristle.links > 1 else (0.0, 0.0),
     )
     return Scene(mechanism, effects), units
 
@@ -199,15 +199,11 @@ def wire_links(bristle: Bristle) -> tuple[Link, ...]:
 def wire_hinge(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[float, float]:
     """Return stiffness and damping of the torsion spring in each joint between two links.
 
-    They are 0 for a wire of one link.
-
     Args:
         bristle: parameters of the bristle.
         root_stiffness: stiffness of the belt, N m/rad.
         units: units of the scene, which the results have too.
     """
-    if bristle.links == 1:
-        return 0.0, 0.0
     diameter = bristle.wire_diameter
     length = bristle.length
     modulus = bristle.modulus
