@@ -1,11 +1,11 @@
 """The scene: a mechanism as bodies, joints and springs of the engine pymunk, in engine units.
 
 It contains only the effects that are requested. The engine's corrections of position errors are
-switched off. Joints are not pulled together (``error_bias`` 1), because a correction would feed
-position errors into the velocities. An interval of motion starts from bodies placed exactly on
-their joints. They drift off the joints within the interval; this drift is a smooth function of the
-step, so extrapolation to the step zero removes it. For the same reason touching shapes are not
-pushed apart (``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
+switched off, because they would feed position errors into the velocities. Joints are not pulled
+together (``error_bias`` 1). An interval of motion starts from bodies placed exactly on their
+joints. They drift off the joints within the interval; this drift is a smooth function of the step,
+so extrapolation to the step zero removes it. Touching shapes are not pushed apart
+(``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
 
 Operations done thousands of times per simulation call the engine (Chipmunk) directly: a step
 through pymunk's wrappers takes 0.77 us, of which the engine itself takes 0.34 us.
@@ -72,8 +72,8 @@ class Placer:
     """Sets and reads the positions and velocities of bodies, by one engine call for each body.
 
     Attributes:
-        values: six numbers for each body, as last set or read: x and y of the mass centre, angle,
-            velocity of the mass centre along x and y, angular velocity.
+        values: six numbers for each body, as last set or read. They are x and y of the mass centre,
+            the angle, the velocity of the mass centre along x and y, and the angular velocity.
     """
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
@@ -121,7 +121,7 @@ class Scene:
         put: sets positions and velocities of all bodies.
         steps: number of steps taken.
         work: cost of the steps taken. A step costs 1 for up to ``LINKS_OF_A_STEP`` links, 2 for up
-            to twice as many, and so on.
+            to twice as many links, and so on.
         placed: state and drift of the last call of ``place``.
         turned: multiple of 2 pi (rad) that is subtracted from all angles in the engine.
     """
@@ -210,7 +210,7 @@ class Scene:
         return State(time, tuple(angles), tuple(values[links : 2 * links]))
 
     def step_alone(self, length: float) -> None:
-        """Take one step of the engine without a correction by ``joint_solver``.
+        """Take one step of the engine that ``joint_solver`` does not correct.
 
         The solver of the next step does not start from the joint impulses of this step.
         """

@@ -1,4 +1,4 @@
-"""Impacts at one instant, the contacts after them, and the growth of the run's error in them.
+"""Impacts at one instant, the contacts that follow, and the growth of the run's error by impacts.
 
 :func:`bristle_sim.scene.run.decide` calls the functions of this module.
 """
@@ -44,7 +44,7 @@ def end_contacts(
         contacts: the active contacts.
         ending: the contacts that end.
         outcome: outcome that their records state.
-        released: whether to record the event of a release too, for each contact that ends.
+        released: whether each contact that ends is also recorded as an event, the release.
     """
     system.scene.keep_closed(())
     for contact in ending:
@@ -56,7 +56,7 @@ def end_contacts(
 
 
 def jam(system: System, *pairs: ContactPair) -> None:
-    """Stop the run because links jam at the given pairs, and record a jam."""
+    """Record a jam of the links at the given pairs, and stop the run."""
     system.stop(StopReason.JAM)
     system.event("jam", sorted({wire for pair in pairs for wire in system.wires_of(pair)}))
 
@@ -71,7 +71,7 @@ def resolve_impacts(
         motion: the motion before the impact.
         pair: the link and the obstacle that touch.
         name: name of the touch as an event.
-        rests: whether the impact has no restitution, so that the link comes to rest.
+        rests: whether the impact is perfectly plastic, so that the contact point does not rebound.
 
     Returns:
         The motion after the impacts, with its contacts.
@@ -106,15 +106,15 @@ def resolve_impacts(
 def _least_opening_rate(system: System, pair: ContactPair) -> float:
     """Return the least opening rate of a single link that touches two obstacles.
 
-    Let v_1 and v_2 be the normal velocities of the two contacts and l_1, l_2 the levers of their
-    normals about the joint. Each is v = u + l w with the link's angular velocity w and the part u
-    from the motion of the joint. If the levers have opposite signs, w cancels in the opening rate
-    v_1/abs(l_1) + v_2/abs(l_2). If the rate is negative, no w opens both contacts, so the link is
-    wedged. Contacts whose levers have the same sign cannot wedge a link.
+    Let v_1 and v_2 be the normal velocities of the two contact points, and l_1 and l_2 the levers
+    of the normals about the joint. For either contact v = u + l w, where w is the link's angular
+    velocity and u is due to the motion of the joint. If the levers have opposite signs, w cancels
+    in the opening rate v_1/abs(l_1) + v_2/abs(l_2). If the rate is negative, no w opens both
+    contacts, so the link is wedged. Contacts whose levers have the same sign cannot wedge a link.
 
     Returns:
-        The least opening rate of ``pair`` and any other closed pair, in engine units of angular
-        velocity; infinite if no other closed pair has a lever of the opposite sign.
+        The least opening rate of ``pair`` with any other closed pair, an angular velocity in engine
+        units. It is infinite if no other closed pair has a lever of the opposite sign.
     """
     touch = system.closest(pair)
     lever = cross(touch.arm, touch.normal)
@@ -167,7 +167,7 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
 def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact, ...]:
     """Return the contacts with springs after an impact elsewhere on the wire.
 
-    The phase of each contact is changed to fit the new velocity of its contact point.
+    The phase of each contact is set anew from the new velocity of its contact point.
     """
     for spring in motion.springs:
         spring.at_rest = False
@@ -180,7 +180,7 @@ def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
     """Resolve and record an impact by the contact law of its pair, and return its record.
 
-    ``rests`` states whether the impact has no restitution, so that the link comes to rest.
+    ``rests`` states whether the impact is perfectly plastic: the contact point does not rebound.
     """
     before = system.state
     touched = pair
@@ -205,10 +205,10 @@ def propagate_error(
 
     Two neighbouring motions are compared with the simulated motion. In both, the estimated error is
     added to the angles. In one it is added to the angular velocities too, in the other it is
-    subtracted from them. Their instant of touch, approach speed and lever of the normal differ from
-    those of the simulated motion, so the jumps of their velocities differ too. If the law has
-    corrected the slip velocity so that slip and approach end together, it is uncertain whether the
-    contact sticks or jams; the error is then recorded as unknown.
+    subtracted from them. The neighbouring motions have other instants of touch, approach speeds and
+    levers of the normal, and hence other velocity jumps. If the law has corrected the slip velocity
+    so that slip and approach end together, it is uncertain whether the contact sticks or jams. The
+    error is then recorded as unknown.
 
     Args:
         system: the run, in the state after the impact.

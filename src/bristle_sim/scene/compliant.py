@@ -64,13 +64,14 @@ SAMPLES_OF_A_SWING = 5
 class CompliantLaw(ContactLaw):
     """The law of contacts that last some time, with a spring between the two points.
 
-    The spring's stiffness is given, or follows from the duration, or follows from the accuracy.
+    The spring's stiffness is given, or it follows from the duration of the contact or from the
+    accuracy.
 
     Args:
-        duration: duration of the first contact, engine units. It holds for a rigid wire without
-            friction and without tangential compliance; in other contacts it sets the stiffness
-            alone. If it is None, every contact is so short that its outcome agrees with the
-            rigid-body limit to ``accuracy``.
+        duration: duration of the first contact, engine units. A contact of a rigid wire without
+            friction and tangential compliance lasts as long; for any other contact ``duration``
+            only determines the stiffness. If it is None, every contact is so short that its outcome
+            agrees with the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
         stiffness: stiffness of the spring in compression, engine units. If it is given, it is used
             in place of the stiffness that follows from ``duration``.
@@ -170,8 +171,8 @@ class CompliantLaw(ContactLaw):
         Args:
             scene: the scene.
             fastest: largest angular velocity of a link, at least 1, in scene units.
-            unloading: ratio of unloading time to loading time, divided by the square root of the
-                factor by which a tangential spring amplifies rounding error.
+            unloading: unloading time divided by loading time, and by the square root of the factor
+                by which a tangential spring amplifies rounding error.
         """
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
         return max(
@@ -200,11 +201,11 @@ class CompliantLaw(ContactLaw):
 def rigid_stiffness(
     mechanism: Mechanism, state: State, touch: ClosestApproach, pair: ContactPair, duration: float
 ) -> float:
-    """Return the stiffness with which a contact of a rigid, frictionless wire has a given duration.
+    """Return the compression stiffness that gives a contact of the duration T (``duration``).
 
-    k = (pi (1 + e*)/(2 T))^2/K_nn with the duration T, the coefficient of restitution e* and the
-    normal inverse mass K_nn = l^2/I. The lever l is that of the normal about the root, and I is the
-    moment of inertia of the straight wire about the root.
+    It is k = (pi (1 + e*)/(2 T))^2/K_nn, with the energetic coefficient of restitution e*, and
+    holds for a rigid, frictionless wire. The inverse mass along the normal is K_nn = l^2/I, with
+    the lever l of the normal and the moment of inertia I of the straight wire, both about the root.
     """
     size = mechanism.wire_links
     poses = mechanism.poses(state)

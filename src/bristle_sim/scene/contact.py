@@ -35,18 +35,18 @@ contact belongs to the segment that is closer after this time."""
 class Sums(NamedTuple):
     """Forces, impulses and work of one contact on its link in an interval; engine units.
 
-    They are NaN if they are unknown.
+    Unknown values are NaN.
 
     Attributes:
         normal: normal force at the end of the interval.
-        tangential: tangential force at the end of the interval. In stick it is the force that
-            prevents slip, even if it exceeds the friction limit.
+        tangential: tangential force at the end of the interval. In stick it is the force that would
+            be required to prevent slip, which may exceed the friction limit.
         impulse_normal: impulse of the normal force in the interval.
         impulse_tangential: impulse of the tangential force in the interval.
         work_normal: work of the normal force in the interval.
         work_tangential: work of the tangential force in the interval.
-        tangential_at_start: tangential force of a contact with a spring in stick, at the beginning
-            of the interval; otherwise 0.
+        tangential_at_start: tangential force of a contact with springs at the beginning of the
+            interval; 0 for a rigid contact.
     """
 
     normal: float = math.nan
@@ -70,8 +70,8 @@ def sums_of(totals: Sequence[float], index: int) -> Sums:
 class Outcome(StrEnum):
     """The ways in which a contact can end.
 
-    The record of a sustained contact may instead name the obstacle whose impact ended the contact,
-    or the reason why the simulation stopped.
+    A contact record may instead state another outcome: the obstacle with which an impact ended the
+    contact, or the reason why the simulation stopped.
     """
 
     REBOUND = "rebound"
@@ -85,8 +85,8 @@ class Outcome(StrEnum):
 class ActiveContact(ClosedPair):
     """A sustained contact, with its impulse and work so far.
 
-    Objects of this class itself are rigid contacts; ``SpringContact`` is the subclass of contacts
-    with springs. In a rigid contact friction opposes ``slip``.
+    An object of this class itself is a rigid contact, in which friction opposes ``slip``. The
+    subclass ``SpringContact`` is a contact with springs.
 
     Attributes:
         start: state at which the contact began; None until it has begun.
@@ -171,15 +171,15 @@ class ActiveContact(ClosedPair):
 
 
 class RigidContacts:
-    """The rigid contacts of a smooth motion, whose forces are solved for together with the joints.
+    """The rigid contacts of a smooth motion.
 
-    The motion ends when the normal force of a contact reaches zero.
+    Their forces are solved for simultaneously with the joint forces. The motion ends when the normal force of a contact reaches zero.
 
     Attributes:
         scene: the scene.
-        closed: the contacts. The sense of slip of each contact is constant until the next event;
-            friction acts against it. The sense is None for a contact without friction, and for the
-            contact of a single link that does not slip.
+        closed: the contacts. Each has a sense of slip, which friction opposes and which is constant
+            until the next event. The sense is None in two cases: the contact has no friction, or
+            the link is a single one and is at rest.
     """
 
     def __init__(self, scene: Scene, closed: Sequence[ClosedPair]) -> None:
@@ -190,7 +190,8 @@ class RigidContacts:
     def engage(self, state: State) -> None:
         """Keep the contacts closed in all further steps, which start from ``state``.
 
-        Where two straight segments of a link touch at a corner, also select the segment in contact.
+        If the link touches at a corner of its centre line, also select which of the two segments at
+        this corner is in contact.
         """
         mechanism = self.scene.mechanism
         for contact in self.closed:
@@ -202,10 +203,10 @@ class RigidContacts:
         self.scene.keep_closed(self.closed)
 
     def totals(self, step: float, *, symmetric: bool = False) -> list[float]:
-        """Return the values of ``Sums`` of all contacts in one list, after the last step.
+        """Return the forces, impulses and work of all contacts in one list, ordered as in ``Sums``.
 
-        The normal force is that of the last step. If a contact would have had to pull in one or
-        more steps, the normal force is that of the last of these steps.
+        The normal force is that of the last step. If the contact would have had to pull in some
+        steps, it is instead the force in the last of these steps.
 
         Args:
             step: length of a step.
@@ -226,7 +227,7 @@ class RigidContacts:
         return found
 
     def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether a contact would have to pull to stay closed."""
+        """Return whether any contact would have to pull to stay closed."""
         return min(totals[: NUMBERS * len(self.closed) : NUMBERS]) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
@@ -235,9 +236,9 @@ class RigidContacts:
         return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
 
     def breaks_away(self, totals: Sequence[float]) -> int | None:
-        """Return the index of the first sticking contact that friction cannot keep from slipping.
+        """Return the index of the first sticking contact whose force exceeds the friction limit.
 
-        Its tangential force exceeds the friction limit. Return None if there is no such contact.
+        Return None if there is no such contact.
         """
         for index, contact in enumerate(self.closed):
             if contact.slip == 0 and self.spare_friction(totals, index) < 0.0:
@@ -269,10 +270,10 @@ class RigidContacts:
     def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
         """Set the sense of slip of a new contact, which friction opposes.
 
-        It is the sign of the slip velocity, unless that velocity is smaller than its error. In that
-        case the contact of several links sticks until friction no longer suffices. A single link
-        slips in the direction of its contact point's acceleration; if the acceleration is zero too,
-        the link is at rest.
+        It is the sign of the slip velocity if that velocity exceeds its error. Otherwise a contact
+        of one of several links sticks until its tangential force exceeds the friction limit. A
+        single link slips in the direction of its contact point's acceleration; if the acceleration
+        is zero too, the link is at rest.
 
         Args:
             state: the state at the touch.

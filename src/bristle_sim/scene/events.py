@@ -7,8 +7,8 @@ before that later instant. With ``direction`` 0, both changes of sign trigger th
 
 At the beginning of a motion, a value that is no larger than its rounding error has no sign. An
 event of a kind in :data:`BEGINS_POSITIVE` then begins with a positive sign. Any other event begins
-with the first sign that its value has at the end of an interval. Touches are no such events:
-:mod:`bristle_sim.scene.touches` searches for gaps that close.
+with the first sign that its value has at the end of an interval. Touches are not events of this
+kind: :mod:`bristle_sim.scene.touches` searches for gaps that close.
 """
 
 from __future__ import annotations
@@ -116,8 +116,8 @@ class Event:
         subject: contact, pair or wire of the event, as its kind states.
         value: the function; its argument is a result of the integrator, which includes the state.
         direction: -1 if the value falls through zero at the event, +1 if it rises, 0 for both.
-        tolerance: largest magnitude of the value at the located event; None for the run's own
-            tolerance.
+        tolerance: magnitude of the value below which the event counts as located; None for the
+            run's own tolerance.
         noise: magnitude up to which the value has no sign: its rounding error if a tolerance is
             given, otherwise the possible error of the run.
         sign: the last sign of the value; None while it is unknown.
@@ -205,8 +205,8 @@ def _rigid_events(
 ) -> Iterator[Event]:
     """Yield the events of a rigid contact: it locks, is released, begins to slip or stops slipping.
 
-    A contact locks when its compliance in slip becomes too small. With friction the link then jams;
-    without friction the link meets the obstacle end-on.
+    A contact locks when its compliance in slip becomes too small: no force then keeps it closed.
+    With friction the link jams; without friction the link meets the obstacle end-on.
     """
     pair = contact.pair
     single = system.mechanism.single_link
@@ -261,9 +261,9 @@ def _bar_events(
 def _spring_events(system: System, spring: SpringContact, index: int) -> Iterator[Event]:
     """Yield the events that change the phase of a contact with a spring.
 
-    The spring changes between loading, unloading and rest, the contact point between slip and
-    stick. The value of each event is a velocity. A penetration d is converted to the velocity d/T,
-    a force F to F/(k T), with the contact's duration T and its normal stiffness k.
+    The spring changes between loading, unloading and rest. The contact point changes between slip
+    and stick. The value of each event is a velocity. A penetration d is converted to the velocity
+    d/T, a force F to F/(k T), with the contact's duration T and its normal stiffness k.
     """
     pair = spring.pair
     duration = spring.duration

@@ -94,7 +94,7 @@ class Repetitions:
     """A sequence of step numbers for extrapolation, and the weights of the results.
 
     An interval is integrated once for each step number; each integration is a repetition. The
-    attributes from ``costs`` on have one entry for each repetition. The entry is that of an
+    attributes from ``costs`` on have one entry for each repetition. The entry belongs to the
     extrapolation from this and all earlier repetitions.
 
     Attributes:
@@ -210,8 +210,8 @@ class Extrapolation:
             state: state at the interval's start.
             duration: length of the interval.
             rigid: the rigid contacts; None without rigid contacts.
-            springs: forces of the contacts with springs. They act differently forwards and
-                backwards in time, so with them no step is symmetric.
+            springs: forces of the contacts with springs. These forces differ forwards and backwards
+                in time, so steps with them are not symmetric.
         """
         symmetric = scene.mechanism.jointed and not springs
         halved = rigid is None and not (springs or symmetric)
@@ -281,9 +281,10 @@ class Extrapolation:
     def accepts(self, result: IntervalResult, duration: float) -> bool:
         """Return whether a result's estimated error is permitted, and propose the next length.
 
-        Each error estimate in ``result`` gives the interval's length, and thus the cost per
-        simulated time, for one number of repetitions. The length with the least cost is proposed.
-        An accepted interval that was much shorter than proposed does not shorten the next proposal.
+        Each error estimate in ``result`` belongs to a number of repetitions. It gives the permitted
+        interval for this number, and thus the cost per simulated time. The interval of least cost
+        is proposed. An accepted interval that was much shorter than proposed does not shorten the
+        next proposal.
 
         Args:
             result: result of an interval.
@@ -318,9 +319,9 @@ class Extrapolation:
 def damped_interval(scene: Scene) -> float:
     """Return the longest interval in which the engine's steps resolve the damping.
 
-    It is infinite without damping, and otherwise ``MOST_DAMPING`` time constants. They are those of
-    links without joints, because the engine damps the links before the joints correct their
-    velocities.
+    It is infinite without damping, and otherwise ``MOST_DAMPING`` time constants of damping. The
+    time constant is that of links without joints, because the engine damps the links before the
+    joints correct their velocities.
     """
     links = scene.mechanism.links[: scene.mechanism.wire_links]
     damping = scene.effects.hinge[1]

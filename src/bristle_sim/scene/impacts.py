@@ -1,4 +1,4 @@
-"""Impact laws, and the response of a contact point to an impulse, which they need.
+"""Impact laws, and the response of a contact point to an impulse.
 
 An instantaneous law takes a scene, a state and a pair of link and obstacle. It returns the state
 after the impact and the contact record. A law that simulates the contact over its duration
@@ -145,8 +145,8 @@ class EnergeticLaw(ContactLaw):
     """The instantaneous law of Stronge's energetic restitution with Coulomb friction.
 
     Attributes:
-        accuracy: relative error of the velocities, and error of the links' directions (rad), before
-            the impact. ``ending_together`` corrects the slip velocity by at most this error.
+        accuracy: relative error of the velocities before the impact, and error (rad) of the links'
+            directions. ``ending_together`` corrects the slip velocity by at most this error.
         tangential_compliance: tangential compliance eta^2 of the contact, dimensionless.
     """
 
@@ -221,12 +221,11 @@ def impact_at(
 def ending_together(point: ContactPoint, accuracy: float) -> Vector:
     """Return the (normal, tangential) velocity of a contact point before an impact.
 
-    The tangential velocity is corrected if slip and approach should end together. A contact point
-    with one degree of freedom can move in one direction only: v_t/v_n = K_nt/K_nn, with its slip
-    velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K. Its slip and
-    its approach therefore end at the same impulse. With an error of v_t the slip could end earlier,
-    and the point would stick while it still approaches. An error of v_t up to ``accuracy``,
-    relative to the speed, is therefore removed.
+    A contact point with one degree of freedom can move in one direction only: v_t/v_n = K_nt/K_nn,
+    with its slip velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K.
+    Its slip and its approach therefore end at the same impulse. With an error of v_t the slip could
+    end earlier, and the point would stick while it still approaches. An error of v_t up to
+    ``accuracy``, relative to the speed, is therefore removed from the tangential velocity.
     """
     normal, coupling = point.inverse_mass[0]
     approach, slip = point.touch.velocity

@@ -56,7 +56,7 @@ class Interval:
         integrate_to: function that returns the result at a time after the start.
         start: state at the start.
         length: duration of the interval.
-        instant: time after the start within which an event counts as at the start.
+        instant: time after the start within which an event counts as an event at the start.
     """
 
     __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")
@@ -86,7 +86,7 @@ class Interval:
         return self._curve.at(time)
 
     def estimate(self, time: float) -> IntervalResult:
-        """Return a result that contains the interpolated state at a time alone."""
+        """Return a result that contains only the interpolated state at a time."""
         return IntervalResult(self.at(time))
 
     def up_to(self, end: IntervalResult) -> Interval:
@@ -184,7 +184,7 @@ def _zero(
 def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """Return the interval shortened to the extreme of a value that changes sign twice within it.
 
-    The shortened interval then contains the first change of sign alone. The extreme is estimated by
+    The shortened interval then contains only the first change of sign. The extreme is estimated by
     a parabola through the least (or greatest) of five values and its two neighbours. Without an
     extreme in the interval, or with one far above zero, the interval is returned unchanged.
     """
@@ -232,10 +232,10 @@ def settle(
 ) -> IntervalResult | None:
     """Return the result at the time within an interval at which a function of the state is zero.
 
-    The first guess of the time is the zero on the interval's interpolating polynomial. The interval
-    is integrated up to the guess. Secant steps, along the motion with the accelerations at the
-    guess, give the next guess. Return None if the function does not change sign, if it needs the
-    contact forces, or if the guesses do not converge.
+    The first estimate of the time is the zero on the interval's interpolating polynomial. The
+    interval is integrated up to the estimate. Secant steps, on the motion continued with the
+    accelerations there, give the next estimate. Return None if the function does not change sign,
+    if it needs the contact forces, or if the estimates do not converge.
 
     Args:
         system: the run.
@@ -304,12 +304,14 @@ def locate(
     at_right: float,
     tolerance: float,
 ) -> float:
-    """Return the time at which a function of the motion is zero, between two of opposite signs.
+    """Return the time at which a function of the motion is zero.
 
-    The method is false position with the weights of Anderson and Bjorck, followed by bisection
-    after ``MOST_LINES`` evaluations, as at a jump. At the returned time the magnitude of the
-    function is at most ``tolerance``, or the bracket of the root is the shortest possible and the
-    returned time is its later end.
+    It lies between two times at which the function has opposite signs.
+
+    The method is false position with the weights of Anderson and Bjorck. After ``MOST_LINES``
+    evaluations, which a jump of the function requires, bisection follows. At the returned time the
+    magnitude of the function is at most ``tolerance``, or the bracket of the root is the shortest
+    possible and the returned time is its later end.
 
     Args:
         value: the function.

@@ -29,8 +29,8 @@ Times = TypeVar("Times", float, Array)
 class Link:
     """A rigid link; engine units.
 
-    Positions are relative to the link's joint, for the link at angle 0. A straight link at angle 0
-    points along -i, that is along -y.
+    Positions are complex numbers x + iy relative to the link's joint, with the link at angle 0. A
+    straight link at angle 0 points along -y.
 
     Attributes:
         mass: mass.
@@ -56,7 +56,7 @@ class Link:
         return self.inertia + self.mass * abs(self.centre) ** 2
 
     def pose(self, joint: complex, velocity: complex, turn: complex) -> Pose:
-        """Return the link's position from that of its joint.
+        """Return the link's position, given the position of its joint.
 
         Args:
             joint: position of the joint.
@@ -132,7 +132,7 @@ class Mechanism:
 
     Attributes:
         links: the links of all wires, from the root of each wire. The foremost wire comes first;
-            all wires have equally many links.
+            all wires have the same number of links.
         hub_radius: radius of the circle on which the roots move; 0 for a root at the origin.
         hub_speed: angular velocity of the hub.
         hub_start: angle of the first root at time 0, rad.
@@ -189,7 +189,7 @@ class Mechanism:
             time: the time, or an array of n times.
             angles: angle of each link (rad), or an array of shape (links, n).
             rates: angular velocity of each link, or an array of shape (links, n).
-            exp: exponential function of numbers or of arrays, as fits the arguments.
+            exp: exponential function, of numbers or of arrays like the other arguments.
 
         Returns:
             One ``Pose`` for each link, of numbers or of arrays of shape (n,).
@@ -261,8 +261,8 @@ class Curve:
 
     For each link it is the cubic Hermite polynomial of the angles and angular velocities at both
     ends. If the state in the middle is given, (s (1 - s))^2 times a linear function of s is added,
-    with the time s as a fraction of the interval, so that angle and angular velocity in the middle
-    agree too.
+    where s is the fraction of the interval. The angle and the angular velocity in the middle are
+    then exact too.
     """
 
     def __init__(self, start: State, middle: State | None, end: State) -> None:

@@ -91,7 +91,8 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
     """Yield the events that do not belong to a contact.
 
     They are the largest retraction, the highest angular velocity, the retraction limit, and the
-    instant at which the tip leaves a dent. ``in_contact`` states whether a contact is active.
+    instant at which the tip leaves the dent of an earlier contact. ``in_contact`` states whether a
+    contact is active.
     """
     mechanism = system.mechanism
     hub_speed = mechanism.hub_speed
@@ -182,9 +183,8 @@ def _lost(
     """Return the event that ends a rigid contact or its stick; None if the interval is too long.
 
     A contact that would have to pull is released. A sticking contact whose tangential force exceeds
-    the friction limit begins to slip. If it would have to pull too, it is not released: its normal
-    force in stick depends on friction, which ends with the normal force, and in slip the contact
-    may push.
+    the friction limit begins to slip. A contact that would also have to pull is not released: its
+    normal force in stick depends on friction, and in slip the contact may push.
 
     Args:
         system: the run.
@@ -219,9 +219,9 @@ def _lost(
 def accept(system: System, motion: Motion, interval: Interval) -> None:
     """Advance the run to the end of an interval, and record samples of the motion in it.
 
-    Links in sustained contact are moved back onto their obstacles. The first interval of a flight
-    after a contact may be the only interval of this flight. A further sample is then recorded in it
-    if a polynomial through the states at its ends and in its middle is less accurate than the run.
+    Links in sustained contact are moved back onto their obstacles. The first interval after a
+    contact may be the whole flight. A further sample is recorded in it if the polynomial through
+    the states at its ends and in its middle is less accurate than the run.
     """
     solver = system.scene.joint_solver
     recording = system.recording

@@ -60,7 +60,7 @@ class ClosedPair:
 
     Attributes:
         pair: the link and the obstacle.
-        piece: index of the link's straight segment in contact; None selects the closest segment.
+        piece: index of the link's straight segment in contact; None for the closest segment.
         slip: sense of slip, +1 or -1; 0 in stick; None without friction, or if it is unknown.
     """
 
@@ -74,7 +74,7 @@ Line = tuple[complex, complex]
 
 
 def _nearest(point: complex, line: Line) -> complex:
-    """Return the point of the segment ``line`` that is nearest to ``point``."""
+    """Return the point of the segment ``line`` that is closest to ``point``."""
     start, end = line
     span = end - start
     along = ((point - start) / span).real
@@ -107,7 +107,7 @@ class FixedPair(ABC):
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the link, of the faster one of two segments that touch.
+        """Return the closest approach of the link; if two segments touch, that of the faster one.
 
         Args:
             poses: positions and joint velocities of all links.
@@ -148,7 +148,8 @@ class BarPair(FixedPair):
         name: name of the obstacle in events and contact records.
         link: index of the link; -1 is the last link.
         partner: index of the other wire's link; None for a fixed obstacle.
-        dent: depth of the dent that an earlier compliant contact has left in the surface.
+        dent: depth of the dent, the indentation that an earlier compliant contact has left in the
+            surface.
     """
 
     centre: complex
@@ -203,8 +204,8 @@ class BarPair(FixedPair):
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the smallest gap between the bar and the link's segments that do not touch yet.
 
-        Segment ``piece`` touches. A segment whose closest point is its corner towards that segment
-        is left out. If no segment remains, the gap is infinite.
+        Segment ``piece`` touches. A segment does not count if its closest point is its end towards
+        segment ``piece``. If no segment counts, the gap is infinite.
         """
         gaps = [math.inf]
         ends = self.ends_passed(pose)
@@ -320,9 +321,9 @@ def contact_rows(
     """Return the Jacobians of the contact points' normal and tangential relative velocities.
 
     Each has the shape (pairs, links). An entry is the lever, about a link's joint, of the contact's
-    normal n or of its tangent. With the arm r the lever of the normal is Re(i conj(n) r), that of
-    the tangent -Im(i conj(n) r). For the touching link r is the vector from its joint to the
-    contact point. For a link nearer the root r is the vector from its joint to its tip.
+    normal n or of its tangent. With the arm r the lever of the normal is Re(i conj(n) r), and the
+    lever of the tangent is -Im(i conj(n) r). For the touching link r is the vector from its joint
+    to the contact point. For a link nearer the root r is the vector from its joint to its tip.
 
     Args:
         mechanism: the mechanism.

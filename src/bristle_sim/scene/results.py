@@ -110,8 +110,8 @@ def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -
     The run has recorded every local maximum of the retraction. Of these only the largest one before
     the strike is returned, or the largest one of a run without a strike. No maximum is returned if
     the retraction is larger at the start or end of this period. A maximum that has stopped the run
-    is always returned. If the wire has not touched the bar or the workpart, an event at the end of
-    the run states so.
+    is always returned. If the wire has touched neither the bar nor the workpart, an event at the
+    end of the run states this.
 
     Args:
         system: the system after its run.

@@ -39,10 +39,10 @@ def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
     """Run a system from its present state to the plan's end, interval by interval.
 
     Yields:
-        Pairs (motion, event). The first pair is the motion with which the run starts, and None. At
-            the end of each interval a pair holds its motion, and the event that has ended the
-            interval or None. After an event a further pair holds the motion that follows the event,
-            and None. The last pair is a motion without contacts, and None.
+        Pairs (motion, event). The first pair holds the motion with which the run starts. A pair at
+        the end of each interval holds its motion and the event that has ended the interval. After
+        an event a further pair holds the motion that follows the event. The last pair holds a
+        motion without contacts. The event is None where no event has ended an interval.
     """
     plan = system.plan
     scene = system.scene
@@ -147,10 +147,10 @@ def _sense_after(system: System, event: Happening) -> int:
 def _opens(system: System, motion: Motion, contact: ActiveContact) -> bool:
     """Return whether a contact that breaks away from stick opens, because slip would be unstable.
 
-    At the edge of the friction cone stick and slip have the same normal force N > 0. In slip the
-    normal acceleration is A N + b = 0 with the compliance A in slip and the acceleration b without
-    the contact's forces. If A is negative, b is positive: without forces the contact opens, and the
-    force of slip would grow or fall without bound (Painleve's paradox).
+    At the friction limit stick and slip have the same normal force N > 0. In slip the normal
+    acceleration is A N + b = 0, with the compliance A in slip and the acceleration b without
+    contact forces. If A is negative, b is positive. Without forces the contact then opens, and the
+    force in slip would grow or fall without bound (Painleve's paradox).
     """
     rigid = motion.rigid
     assert rigid is not None
@@ -160,8 +160,8 @@ def _opens(system: System, motion: Motion, contact: ActiveContact) -> bool:
 def begin_motion(system: System, given: Motion) -> Motion:
     """Return a new motion with the contacts of ``given``, whose gaps are first closed exactly.
 
-    The run stops in two cases. The first is that every wire has had the event ``stop_after``, and
-    no contact has a spring. The second is that no force can keep a rigid contact closed.
+    The run stops in two cases: every wire has had the event ``stop_after`` and no contact has a
+    spring, or no force can keep a rigid contact closed.
     """
     springs = given.springs
     if not (system.waiting or springs):

@@ -39,7 +39,7 @@ that is rounding error if the force exceeds the limit."""
 def begin_spring(
     system: System, motion: Motion, pair: ContactPair, press: float = 0.0
 ) -> SpringContact | None:
-    """Return a new contact with a spring that begins now; None if the touch is an impact.
+    """Return the contact with a spring that a touch begins; None if the touch is an impact.
 
     Args:
         system: the run.
@@ -60,10 +60,10 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
     """Return a new contact with a spring for a tip that rests on the surface after a contact.
 
     Return None if no force presses the tip against the surface, or if the wire has another contact.
-    A static load F compresses a spring of stiffness k by F/k. If the load is that of the belt and
-    the contact is not very short, this compression exceeds the requested accuracy, so the tip
-    cannot be treated as a rigid contact. Without restitution, one contact with a spring follows the
-    other.
+    A static load F compresses a spring of stiffness k by F/k. For the load of the belt and a
+    contact that is not very short, this compression exceeds the requested accuracy. The tip then
+    cannot be treated as a rigid contact. Without restitution, a new contact with a spring follows
+    each one that ends.
     """
     own = set(system.wires_of(pair))
     coupled = any(own & set(system.wires_of(contact.pair)) for contact in motion.contacts)
@@ -76,7 +76,7 @@ def pressed_on(system: System, motion: Motion, pair: ContactPair) -> SpringConta
 
 
 def look_up_slip(system: System, motion: Motion, spring: SpringContact) -> None:
-    """Set whether a contact point slips, and in which sense, or sticks; record the new phase."""
+    """Set whether a contact point slips or sticks, and the sense of slip; record the new phase."""
     slip = system.closest(spring.pair).velocity[1]
     if abs(slip) > system.slip_error(spring.start) and not spring.elastic:
         spring.slip = int(math.copysign(1.0, slip))
@@ -167,8 +167,8 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
 def _end_compression(system: System, motion: Motion, spring: SpringContact) -> Outcome | None:
     """Begin unloading, and return the contact's outcome if it ends; None if it continues.
 
-    A contact without restitution ends with compression. In a contact that continues, slip that has
-    stopped may start again.
+    A contact without restitution ends when compression ends. In a contact that continues, a contact
+    point that sticks may start to slip again.
     """
     spring.unload(system.penetration(spring))
     if spring.law.restitution == 0.0:
@@ -182,18 +182,18 @@ def _end_compression(system: System, motion: Motion, spring: SpringContact) -> O
 
 
 def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> bool:
-    """Return whether the phase "slip at rest" begins: slip at the greatest depth for some time.
+    """Return whether the contact point continues to slip at its greatest depth ("slip at rest").
 
-    The friction force has one value with the coefficient of friction of compression, and another
-    value with that of restitution. The phase begins if the value of restitution would press the
-    contact point deeper, while the value of compression would lift it. Neither unloading nor
-    further loading is then consistent. The friction force is therefore between the two values, and
-    keeps the normal velocity at zero.
+    In this phase the contact point slips while its normal velocity stays zero. Compression and
+    restitution have different coefficients of friction, hence different friction forces. The phase
+    begins if the friction of restitution would drive the contact point deeper while the friction of
+    compression would lift it. Neither unloading nor further loading is then possible. The friction
+    force takes the value between the two that keeps the normal velocity at zero.
 
-    If friction presses the point into the surface, the value of restitution is the larger one. If
-    other bodies press the point in and friction lifts it, it is the smaller one. With a tangential
-    spring the force oscillates between the two values; the mean of a fast oscillation is the same
-    friction force.
+    If friction presses the point into the surface, the friction of restitution is the greater one.
+    If friction lifts the point, which other bodies press in, it is the smaller one. With a
+    tangential spring the force oscillates between the two; the mean of a fast oscillation is the
+    same friction force.
     """
     coupling = spring.inverse_mass[0][1]
     law = spring.law
@@ -243,12 +243,12 @@ def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
 
 
 def _settle_foot(system: System, motion: Motion, spring: SpringContact) -> None:
-    """Decide whether the foot of the tangential spring, its attachment to the surface, slides.
+    """Decide whether the foot of the tangential spring, the end on the surface, slides.
 
-    The foot slides if the spring's force is on the edge of the friction cone and would otherwise
-    leave the cone. The force would leave the cone if the foot's velocity has the sense of slip that
-    the force opposes. If the velocity is smaller than its error, a short trial integration with the
-    force on the cone's edge gives the sense in which the velocity grows.
+    The foot slides if the spring's force is at the friction limit and would otherwise exceed it.
+    The force would exceed the limit if the foot's velocity has the sense that the force opposes. If
+    this velocity is smaller than its error, a short trial integration with the force at the limit
+    gives the sense in which the velocity grows.
     """
     pair = spring.pair
     touch = system.closest(pair)
