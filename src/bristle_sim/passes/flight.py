@@ -217,12 +217,15 @@ def first_closing(
     def gap_at(turn: Array, numbers: Chosen) -> Any:
         """Return the gaps and their derivatives for some of the wires in ``chosen``."""
         some = passes.take(chosen[numbers])
-        return gap(some, some.hub_angle + turn, *motion(turn, chosen[numbers])[:2])[:2]
+        gaps, rates = gap(some, some.hub_angle + turn, *motion(turn, chosen[numbers])[:2])[:2]
+        return gaps - rounding[numbers], rates
 
     some = passes.take(chosen)
     turns, angles, rates = samples.take(chosen, axis=-1)
     gaps, rates = gap(some, some.hub_angle + turns, angles, rates)[:2]
     leaves = some.parting & (obstacle == BAR)
+    rounding = leaves * gaps[0]  # a gap of 1e-15 before or behind zero would be a touch
+    gaps -= rounding
     way = FASTER * np.maximum(-rates[:-1], rates[1:]) * (turns[1:] - turns[:-1])
     dips = (rates[:-1] < 0.0) & (rates[1:] > 0.0) & (gaps[1:] > 0.0) & (gaps[:-1] + gaps[1:] < way)
     dips[0, leaves] = False

@@ -58,13 +58,23 @@ Vector = NDArray[np.complex128]  # array of vectors in the plane, as complex num
 
 
 def direction(angle: Array) -> Vector:
-    """Return the unit vectors at the given angles (rad), as complex numbers cos + i sin.
+    """Return the unit vectors at the given angles (rad), as complex numbers cos + i sin."""
+    found = np.empty(np.shape(angle), dtype=complex)
+    np.cos(angle, out=found.real)
+    np.sin(angle, out=found.imag)
+    return found
 
-    They are computed from the tangent of half the angle. This is accurate to rounding error, and
-    takes a fraction of the time of NumPy's exponential function.
+
+def powers(turn: Array) -> Array:
+    """Return the powers of each rotation ``turn`` of the hub, shape (ORDER + 1, passes).
+
+    NumPy's own power function takes ten times as long.
     """
-    half = 1.0 + 1j * np.tan(0.5 * angle)
-    return half / half.conj()
+    found = np.empty((ORDER + 1, len(turn)))
+    found[0] = 1.0
+    for degree in range(ORDER):
+        np.multiply(found[degree], turn, out=found[degree + 1])
+    return found
 
 
 class Course(NamedTuple):
@@ -83,7 +93,7 @@ class Course(NamedTuple):
         """
         every = len(chosen) == self.series.shape[-1]
         series = self.series if every else self.series.take(chosen, axis=-1)
-        found: Array = np.einsum("skn,kn->sn", series, turn**DEGREES)
+        found: Array = np.einsum("skn,kn->sn", series, powers(turn))
         return found
 
     def sampled(self, step: Array) -> Array:
@@ -92,7 +102,7 @@ class Course(NamedTuple):
 
         ``step`` is the hub's rotation in each step, rad.
         """
-        terms = self.series * step**DEGREES
+        terms = self.series * powers(step)
         found = np.empty((2, len(FRACTIONS), step.size))
         for start in range(0, step.size, ONE_THREAD):
             part = slice(start, start + ONE_THREAD)

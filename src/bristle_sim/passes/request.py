@@ -19,11 +19,11 @@ from bristle_sim.passes.bar import closest, half_window, meeting_angle
 from bristle_sim.passes.state import ROWS, Chosen, Passes
 from bristle_sim.units import likely_key
 
-MOST_RADIANS = (
-    1e5  # upper bound of the phase angle of a pass's fastest oscillation, rad; a step covers some 2
-)
-# Overlap at the start, divided by the bristle's length, that still counts as rounding error
+MOST_RADIANS = 1e5
+"""Largest phase angle of a pass's fastest oscillation, rad. A step covers some 2 rad."""
+
 OVERLAP_ROUNDING = 1e-11
+"""Largest overlap at the start that counts as rounding error, divided by the bristle's length."""
 
 Values = dict[str, Array]
 

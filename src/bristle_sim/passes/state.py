@@ -21,10 +21,9 @@ FLIES, BAR, LIES, WORKPART, FOLDS, MISSED, LOCKED, TOO_MANY = range(8)
 """Codes of a pass's state.
 
 In the first three states the wire is in flight, touches the bar, or lies on it. In the others the
-pass has ended:
-the tip touches the workpart, the wire has folded by more than 90 degrees, the hub has rotated to the
-end of the pass, friction locks the wire on the bar, or the touches of the bar are endless. ``BAR``
-and ``WORKPART`` are also the codes of these obstacles."""
+pass has ended: the tip touches the workpart, the wire has folded by more than 90 degrees, the hub
+has rotated to the end of the pass, friction locks the wire on the bar, or the touches of the bar are
+endless. ``BAR`` and ``WORKPART`` are also the codes of these obstacles."""
 
 QUARTER_TURN = 0.5 * np.pi  # relative angle beyond which a wire has folded, rad
 LEAST = 1e-300  # lower bound of a dimensionless speed or impulse, against a division by zero
