@@ -1,10 +1,13 @@
 """What the rigid bristle overstates: the report, the study over stiffness and links, its figure and its film."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface
+from bristle_sim.reference import strike_reference
 from bristle_sim.render.wire_pictures import WireFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.flexible_wire import flexible_wire, second_touch, wire_study
@@ -94,6 +97,17 @@ def test_friction_that_takes_the_reference_too_long_leaves_it_out(surface: Surfa
     assert any(
         each.startswith("There is a reference for the frequencies alone") for each in report.remarks
     )
+
+
+def test_a_contact_that_is_too_stiff_for_the_reference_leaves_it_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A step of the integrator takes twelve evaluations, and a contact some steps."""
+    few = partial(strike_reference, most_evaluations=24)
+    monkeypatch.setattr("bristle_sim.reference.strike_reference", few)
+    report = struck(2)
+    assert {each.ok for each in report.quantities if "bending" not in each.name} == {None}
+    assert any("must be less for the independent solution" in each for each in report.remarks)
 
 
 def test_a_soft_contact_takes_the_wire_for_rigid() -> None:

@@ -14,7 +14,7 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.simulate import simulate
-from bristle_sim.settings import Settings
+from bristle_sim.settings import Settings, StopReason
 from bristle_sim.studies.pass_invariants import invariant_rows
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory import impact_phases
@@ -305,3 +305,18 @@ class TestNoticed:
             verdicts(Tool(), SETTINGS, replace(run, contacts=tuple(helping)))["friction_work"]
             is False
         )
+
+
+def test_a_reference_that_gives_up_is_a_line_and_no_agreement(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It has come to 1 ms, long before the largest retraction."""
+    reached = simulate_reference(Tool(), duration=1e-3)
+    given_up = replace(reached, stop_reason=StopReason.ACCURACY)
+    monkeypatch.setattr("bristle_sim.reference.simulate_reference", lambda *_, **__: given_up)
+    report = whole_pass(Tool(), SETTINGS, with_reference=True)
+    expected = (
+        "the reference gives up at 1.0000 ms: no step is short enough for the requested accuracy"
+    )
+    assert expected in report.remarks
+    assert False in {each.ok for each in report.quantities}

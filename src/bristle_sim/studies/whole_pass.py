@@ -116,6 +116,10 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         remarks.append(
             f"the error estimate is above the requested accuracy {settings.accuracy:g}: request a smaller one"
         )
+    if reference is not None and reference.stop_reason.gives_up:
+        remarks.append(
+            f"the reference gives up at {1e3 * reference.time[-1]:.4f} ms: {reference.stop_reason}"
+        )
     if run.stop_reason.gives_up:
         remarks.append(
             f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; the result is valid up to there"
