@@ -266,6 +266,6 @@ def print_line(text: str) -> None:
 
 
 def print_error(text: str) -> None:
-    """Print a text on standard error; without a standard error, print nothing."""
+    """Print text to standard error, or do nothing if there is no standard error stream."""
     if sys.stderr is not None:
         print(text, file=sys.stderr, flush=True)

@@ -63,7 +63,7 @@ class ContactStiffness(Declared):
     duration: float = quantity(
         7.1e-5,
         "1e-9 <= contact_duration <= 0.01 s: duration T of the contact of a rigid bristle without friction; with friction and"
-        " its turning it is some per cent longer [50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*]",
+        " its rotation it is a few per cent longer [50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*]",
     )
 
     def stiffness(self, inverse_mass: float, restitution: float) -> float:

@@ -48,15 +48,16 @@ JUMP = 1e-9  # smallest discontinuity that counts as a jump, in the page's units
 
 
 def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
-    """Return the motion of a pass as JSON data for an HTML page, up to the last time shown.
+    """Return the motion of a pass as JSON data for an HTML page.
 
-    Times are in ms, lengths in mm, velocities in m/s, forces in N and angles in degrees. Only the
-    hub's angle is in rad.
+    The data extend to the last time that the page shows. Times are in ms, lengths in mm, velocities
+    in m/s, forces in N, impulses in mN s and angles in degrees, except the hub angle, which is in
+    rad.
 
-    The data hold the state at chosen times, the nodes. Between nodes the page interpolates the
+    The data contain the state at chosen times, the nodes. Between nodes the page interpolates the
     centre line and the retraction by cubic Hermite polynomials, and the force linearly. At a jump
-    there are two nodes with the same time. The text ``drawn`` states the number of nodes and the
-    errors of the interpolation.
+    of a quantity two nodes have the same time. The text ``drawn`` states the number of nodes and
+    the interpolation errors.
     """
     end = story_end(run)
     intervals, error = _intervals(run, end)
@@ -103,9 +104,9 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
     """Choose the nodes of the page, and return the intervals between them.
 
-    The last node is the first sample of the run at or after the time ``end`` (s). The first choice
-    of nodes is from the samples of the run. Intervals with large errors are then halved, until the
-    interpolation is exact to the digits shown or the data reach their largest size.
+    The last node is the first sample of the run at or after the time ``end`` (s). At first all
+    nodes are samples of the run. Intervals with large interpolation errors are then halved, until
+    the errors do not affect the digits shown or the data reach their largest size.
 
     Returns:
         The states at the beginning and at the end of every interval, and the largest error divided
@@ -145,8 +146,8 @@ def _errors(run: Trajectory, motion: Interpolation, intervals: Array) -> Array:
     """Return the error of the page's interpolation in each interval, divided by the permitted
     error.
 
-    The error is evaluated at one time within the interval, and is the largest of all quantities.
-    ``intervals`` is as returned by :func:`_intervals`.
+    The errors of all quantities are evaluated at one time within the interval, and the largest is
+    returned. ``intervals`` is as returned by :func:`_intervals`.
     """
     (p, v), (q, w) = intervals
     s = TRIED

@@ -224,8 +224,9 @@ def strike_wire(
 ) -> ChainStrike:
     """Simulate the contact of a wire whose tip strikes a workpart of finite contact stiffness.
 
-    The contact is a spring of stiffness k in loading and of stiffness k/e*^2 in unloading. The belt
-    and the bending of the wire act during the contact.
+    The contact is a spring of stiffness k in compression and of stiffness k/e*^2 in restitution,
+    where e* is the energetic coefficient of restitution. The belt and the bending of the wire act
+    during the contact.
 
     Args:
         tool: tool with a workpart, whose surface is moved to the wire's tip. The tool's bar is
@@ -236,9 +237,13 @@ def strike_wire(
         stiffness: stiffness k of the contact in compression, N/m.
         settings: numerical settings.
         duration: expected duration of the contact, s. The samples are at most 1/24 of this duration
-            apart. For a rigid bristle the simulation ends the contact after ten times this
-            duration.
-        flight: duration of the free motion that is simulated after the release, s.
+            apart. If a rigid bristle is still in contact after ten times this duration, the contact
+            ends there, with the outcome that the rigid-body law predicts, or with stiction if that
+            law predicts a rebound.
+        flight: duration of the free motion that is simulated after the contact, s.
+
+    Returns:
+        The contact, and the motion during the contact and the free motion.
 
     Raises:
         ValueError: if the wire's tip does not approach the workpart, or the contact does not end.

@@ -3,7 +3,7 @@ at which the tip is fastest (a maximum).
 
 The bar moves around the hub at a constant distance S = hypot(S_H, S_V) from its centre, so that the
 retraction at the release is constant. The bar's direction from the workpart's normal decides when
-the bristle is released. The farther the direction is from the normal, the smaller is the lag at the
+the bristle is released. The farther the direction is from the normal, the smaller the lag at the
 strike.
 """
 
@@ -96,7 +96,7 @@ def bar_of(tool: Tool) -> Bar:
 
 
 def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
-    """Return a function that computes strikes, and the step of a first survey.
+    """Return a function that computes strikes, and the step of the first survey of directions.
 
     Returns:
         The function: it takes directions of the bar (rad) and returns the measures of the strikes.
@@ -165,7 +165,7 @@ def _place(strikes: Strikes, direction: float) -> Place:
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
     """Return the direction of the bar at which the tip strikes fastest.
 
-    The search climbs from the direction ``start`` (rad) in steps of ``step`` (rad) to the next
+    The search climbs from the direction ``start`` (rad) in steps of ``step`` (rad) to the nearest
     maximum of the tip speed. Brent's method then refines this maximum.
     """
     directions = start + step * np.arange(-math.floor(start / step), (math.pi - start) / step)
@@ -198,7 +198,7 @@ def retraction(tool: Tool) -> float:
 
 
 def stiffened_direction(tool: Tool) -> float:
-    """Return the direction of the bar by the cue formula, rad.
+    """Return the direction of the bar that the cue formula gives, rad.
 
     The formula includes the stiffness that the centrifugal force adds to the belt's stiffness.
     """

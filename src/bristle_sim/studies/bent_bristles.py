@@ -3,8 +3,8 @@ tips slide on the workpart, and which retract at once?
 
 In the high-speed film (Zhang 2020, figs. 1.3 and 1.4, 2600 rpm) the forward bent tip retracts as
 soon as it strikes, while the other two slide first. The farther ahead a knee puts the tip, the
-sooner friction reverses the slip in the strike. The wire is a chain of links. The contact is a
-spring, of the stiffness that would keep a rigid bristle in contact for the requested duration.
+sooner friction reverses the slip during the strike. The wire is a chain of links. The contact is a
+spring, whose stiffness would keep a rigid bristle in contact for the requested duration.
 """
 
 from collections.abc import Mapping
@@ -75,8 +75,8 @@ def slide_measures(contact: ContactRecord) -> dict[str, float]:
     """Return the tip's slide along the workpart in a contact, and the tip's speeds before and after
     it.
 
-    MEASURES has the names and units. ``slide_in_touch`` is the displacement from the first touch to
-    the release. It is negative if the tip has moved backwards.
+    ``MEASURES`` lists the names and units. ``slide_in_touch`` is the displacement from the first
+    touch to the release. It is negative if the tip ends behind the point of first touch.
 
     Raises:
         ValueError: if the contact has no time history. Only the compliant law records one.

@@ -1,14 +1,14 @@
-"""Crater depths by the formulas of Zhang 2020, chapter 4, compared with the printed values and with
-the depths that a simulated contact gives.
+"""Crater depths that the formulas of Zhang 2020, chapter 4, give, compared with the printed values
+and with the depths that a simulated contact gives.
 
-The simulated contact is that of the bristle's tip in compression alone. It lasts for the
-compression time that the camera saw. One depth follows from its force, another from its energy.
+Only the compression phase of the tip's contact is simulated. It lasts as long as in the high-speed
+film. One depth follows from the contact's force, another from its energy.
 
 Equation (4.45), 2 eta + beta - alpha = C with the shear angle eta, the friction angle beta and the
-rake angle alpha, leaves the constant C to the work material. The dissertation takes the C of least
-work, 90 degrees, and its crater is deeper than measured. A smaller C makes a flatter shear plane
-and a shallower crater. Below some C the shear plane no longer comes out of the surface (4.35): such
-a C may fit the depth, but makes no chip.
+rake angle alpha, has a constant C that depends on the work material. The dissertation uses 90
+degrees, the value of least work; its crater is deeper than the measured one. A smaller C makes a
+flatter shear plane and a shallower crater. Below a certain C the shear plane no longer reaches the
+surface (4.35). Such a C may fit the depth, but no chip forms.
 """
 
 import math
@@ -198,7 +198,7 @@ def _compression(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
 def _contact_depths(
     contact: TimedContact, crater: Crater, bristle: Bristle
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the crater depths (m) by the simulated contact, and by theory.
+    """Return the crater depths (m) that follow from the simulated contact, and from theory.
 
     A depth assumes that the shear plane ends at one of two surfaces: a surface parallel to the
     tip's path, or the real surface, which is inclined to the path.

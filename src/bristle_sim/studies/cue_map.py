@@ -1,10 +1,10 @@
-"""The best directions of the bar by simulation, compared with formulas and printed values; and maps
-over the bar's position.
+"""The bar directions for a radial strike and for the fastest tip, found by simulation and compared
+with formulas and printed values; and maps of the strike over the bar's position.
 
-By the dissertation a single direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), gives a strike
-that is both radial and fastest. A is the angle by which the tip lags the root, seen from the hub's
-centre, at the release; theta_1 is the angle that the hub turns until the bristle is fastest; gamma
-is the impact angle.
+According to the dissertation a single direction, A + theta_1 + gamma (Zhang 2020, eq. 2.1), gives a
+strike that is both radial and fastest. A is the angle by which the tip lags the root, seen from the
+hub's centre, at the release; theta_1 is the angle that the hub turns until the bristle is fastest;
+gamma is the impact angle.
 """
 
 from __future__ import annotations
@@ -62,7 +62,8 @@ class CueMap:
         grid: size and resolution of the maps.
         radial: direction of the bar at which the bristle is radial when it strikes.
         fastest: direction of the bar at which the tip strikes fastest.
-        formula: direction of the bar by the cue formula, rad; None for a belt without stiffness.
+        formula: direction of the bar that the cue formula gives, rad; None for a belt without
+            stiffness.
     """
 
     tool: Tool
@@ -160,18 +161,18 @@ def cue_map(
 def _referred(
     tool: Tool, settings: Settings, radial: bar_search.Place, fastest: bar_search.Place
 ) -> Values:
-    """Return the study's quantities by the independent reference solution.
+    """Return the study's quantities, computed with the independent reference solver.
 
-    The reference solves passes at directions of the bar close to the two directions found by
-    simulation. Linear interpolation gives the direction of a radial strike; a parabola gives the
-    direction of the highest tip speed.
+    It solves passes with directions of the bar close to the two directions found by simulation.
+    Linear interpolation gives the direction of a radial strike; a parabola gives the direction of
+    the highest tip speed.
     """
     from bristle_sim.reference import simulate_reference
 
     options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
 
     def strikes(directions: Array) -> dict[str, Array]:
-        """Return the measures of strikes by the reference, for directions of the bar (rad)."""
+        """Return the measures of the reference's strikes for directions of the bar (rad)."""
         tools = [bar_search.placed(tool, float(each)) for each in directions]
         found = [strike_measures(each, simulate_reference(each, **options)) for each in tools]
         names = ("lag_deg_at_contact", "relative_speed_at_contact", "tip_speed_at_contact")

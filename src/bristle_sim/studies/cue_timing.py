@@ -1,12 +1,14 @@
-"""The position of the bar by the quasi-static cue formulas, compared with the position by a
-simulated release of the bristle from rest.
+"""The position of the bar that the dissertation's quasi-static formulas give, compared with the
+position that follows from a simulated release of the bristle from rest.
 
-In the formulas the bristle swings as a linear oscillator on its belt, undamped in the dissertation
-(Zhang 2020, sec. 2.2). The time from the release to the highest speed, the cue time, determines
-the bar's position (eq. 2.1).
+The cue formulas (Zhang 2020, sec. 2.2) treat the bristle as a linear oscillator on its belt:
+undamped in the dissertation, with the belt's damping here. The bristle is cued if it strikes at its
+highest speed. The cue time is the time from the release to the highest speed; it determines the
+bar's position (eq. 2.1).
+
 The formulas neglect the centrifugal stiffening, which the simulated release includes. Both neglect
-the effects of the bar: the impact of the first touch, and the swing after the last touch. A
-simulated whole pass includes these too.
+the impact of the first touch of the bar, and the swing of the bristle after the last touch. A
+simulated whole pass includes these effects.
 """
 
 from __future__ import annotations
@@ -60,10 +62,11 @@ MOST_DAMPED = 10.0
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release of the bristle, its cue by several methods, and passes with the bar
-    placed accordingly.
+    """A simulated release of the bristle, the bar positions that follow from it by several methods,
+    and passes with the bar at these positions.
 
-    A cue is the bar position from which the released bristle strikes at its highest speed.
+    A cue is the bar position from which the released bristle strikes at its highest speed, with the
+    cue time and this speed.
 
     Attributes:
         tool: the tool.
@@ -71,14 +74,14 @@ class CueTiming:
         trajectory: simulated release, up to the instant of the highest relative angular velocity.
         simulated: cue by the simulated release; None if the relative angular velocity has no
             maximum.
-        formula: cue by the formulas; None without a belt.
+        formula: cue by the formulas; None if the belt has no stiffness.
         reference: cue by the independent reference solution; None if it was not requested.
-        bar: the bar at the position to compare with.
-        passes: results of whole passes: first with the bar at the cue of the release, if there is
-            one, then with ``bar``.
-        readings: results for each interpretation of the unit of the printed belt stiffness. The key
-            ``own`` has the results for the tool's stiffness, if it differs from all
-            interpretations.
+        bar: the bar at the position with which the cues are compared.
+        passes: results of whole passes. In the first pass the bar is at the cue ``simulated``; this
+            pass is absent if that is None. In the last pass it is ``bar``.
+        readings: results for several belt stiffnesses, by name: each interpretation of the unit of
+            the printed stiffness, and the stiffness at the filmed 254 Hz. The key ``own`` has the
+            results for the tool's stiffness, if that is none of these.
     """
 
     tool: Tool
@@ -124,18 +127,20 @@ def cue_timing(
     bar: Bar | None = None,
     with_reference: bool = True,
 ) -> Report:
-    """Simulate a release from rest, place the bar by it, and compare with the cue formulas.
+    """Simulate a release from rest, and compare the bar position that follows from it with the cue
+    formulas.
 
-    The comparison is made for four belt stiffnesses: that of the tool; the printed 0.00041, read in
-    N m per radian; the same number, read in N m per degree; and the stiffness at which the bristle
-    swings at the filmed 254 Hz. Whole passes with a bar are simulated too.
+    The comparison is made for up to four belt stiffnesses: that of the tool; the number 0.00041
+    printed in the dissertation, in N m per radian; the same number in N m per degree; and the
+    stiffness at which the bristle swings at the filmed 254 Hz. Whole passes with a bar are also
+    simulated.
 
     Args:
         tool: the tool.
         retraction: retraction at the release, rad.
         settings: accuracy and limits of the simulations.
         bar: bar of the whole passes; the tool's bar by default.
-        with_reference: whether to solve the release by the independent reference too.
+        with_reference: whether to also solve the release with the independent reference solver.
 
     Returns:
         The report of the comparison.
@@ -220,8 +225,8 @@ def _timed(
 ) -> CueTiming:
     """Simulate the release of the bristle, and two whole passes.
 
-    In the first pass the bar stands where the release requires it, in the second at the position of
-    ``bar``. The first pass is left out if the release has no cue.
+    In the first pass the bar stands at the cue of the release, in the second at the position of
+    ``bar``. There is no first pass if the release has no cue.
     """
     start: dict[str, Any] = {
         "start_relative_angle": -retraction,
@@ -276,7 +281,8 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
 
 
 def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quantity, ...]:
-    """Compare the cue of the simulated release with the cues by formula and by the reference.
+    """Compare the cue of the simulated release with the cues that the formulas and the reference
+    give.
 
     The tolerances follow from the relative error delta of the angular velocity. The bristle is
     fastest where the torques of belt and damping balance. At that instant t
@@ -284,9 +290,10 @@ def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quant
         alpha''' = -(K/I) alpha',
 
     where alpha is the angle relative to the hub, K the stiffness of belt and centrifugal force, and
-    I the bristle's inertia. With the damping coefficient c of the belt, the instant therefore
-    shifts by c delta/K, a relative error of c delta/(K t). An error of the bar's direction changes
-    each coordinate of the bar in proportion to the other coordinate.
+    I the bristle's inertia. The error of the angular velocity changes the torque of the belt's
+    damping, whose coefficient is c. The instant therefore shifts by c delta/K, a relative error of
+    c delta/(K t). An error of the bar's direction changes each coordinate of the bar in proportion
+    to the other coordinate.
     """
     tool = timing.tool
     cue = timing.reference

@@ -1,5 +1,5 @@
-"""Design: the tool in given ranges whose pass has wanted quantities, and the sensitivity of the
-quantities to the parameters.
+"""Design: finds a tool, with parameters in given ranges, whose pass attains target values, and the
+sensitivity of the quantities of the pass to the parameters.
 """
 
 from __future__ import annotations
@@ -52,11 +52,11 @@ DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported onl
 
 @dataclass(frozen=True, slots=True)
 class Want:
-    """A wanted quantity.
+    """The target value of a quantity.
 
     Attributes:
         name: name of the quantity.
-        wanted: wanted value.
+        wanted: target value.
         reached: value in the simulated pass of the designed tool; None without a strike.
     """
 
@@ -72,23 +72,24 @@ class Design:
     Attributes:
         answer: the result in a sentence. It states how well the fast computation agrees with
             simulations.
-        remarks: sentences on compromises between two conditions, and on the tolerances of the
-            parameters.
-        tool: the designed tool; if conditions conflict, the tool that comes nearest.
+        remarks: sentences on compromises between two conflicting conditions, and on the tolerances
+            of the parameters.
+        tool: the designed tool; if conditions conflict, the tool that comes nearest to meeting
+            them.
         varied: designed values of the varied parameters, by name.
-        wants: wanted and reached values.
+        wants: target values, and the values that the designed tool reaches.
         report: report of the simulated pass of the designed tool.
-        before: simulated quantities of the tool before the design; None for a quantity that it does
-            not have.
-        sensitivity: derivatives of the quantities with respect to each parameter; NaN where a
-            quantity jumps.
-        kept: lowest and highest value of each parameter at which all wanted quantities stay within
-            1 % or 1 deg of their wanted values. The other parameters do not change.
-        conflict: names of the wants and upper limits that cannot be met together; empty if all are
-            met.
-        trade_off: values of two quantities whose conditions conflict, and of the parameters, along
-            the curve of best compromises.
-        check: agreement of the search's fast vectorised passes with simulations.
+        before: simulated quantities of the tool before the design; None if the pass has no such
+            quantity.
+        sensitivity: derivatives of the quantities with respect to each parameter; NaN if the
+            quantity jumps there.
+        kept: lowest and highest value of each parameter at which all quantities stay within 1 % or
+            1 deg of their target values, while the other parameters do not change.
+        conflict: names of the quantities whose target values or upper limits cannot be met
+            together; empty if all are met.
+        trade_off: values along the curve of best compromises between two conflicting conditions: of
+            the two quantities and of the parameters.
+        check: agreement of the vectorised passes, which the search uses, with simulations.
     """
 
     answer: str
@@ -105,7 +106,7 @@ class Design:
     check: Check
 
     def plot(self) -> Any:
-        """Return a matplotlib figure of the trade-off between two conditions that conflict.
+        """Return a matplotlib figure of the trade-off between two conflicting conditions.
 
         Raises:
             ValueError: if no two conditions conflict.
@@ -124,12 +125,13 @@ def design(
     minimize: str = "",
     maximize: str = "",
 ) -> Design:
-    """Find the tool in given ranges whose pass has wanted quantities.
+    """Find a tool, with parameters in the given ranges, whose pass attains the target values.
 
     The bristle must be straight and rigid, with the energetic law of impact. If several tools meet
-    the wants, a goal is minimised or maximised. Without a goal the parameters change least,
-    relative to their ranges. Simulations confirm the result for the tool found and for eight random
-    tools.
+    the targets and limits, the result is the one with the lowest value of the quantity
+    ``minimize``, or the highest value of the quantity ``maximize``. If neither is given, it is the
+    tool whose parameters differ least from those of ``tool``, relative to their ranges. The search
+    computes passes in arrays. Simulations of the tool found and of eight random tools check them.
 
     >>> import bristle_sim as bs
     >>> found = bs.design(
@@ -141,19 +143,21 @@ def design(
 
     Args:
         tool: the tool that gives the values of all other parameters; by default the dissertation's.
-        want: wanted values of quantities of ``bristle-sim cue_and_impact``, as numbers in its units
+        want: target values of quantities of ``bristle-sim cue_and_impact``, as numbers in its units
             or texts with a unit.
         vary: lower and upper bound of each parameter to vary.
         at_most: upper limits of quantities, or of varied parameters.
-        minimize: name of the quantity to minimise.
-        maximize: name of the quantity to maximise; only one of the two may be given.
+        minimize: name of a quantity to minimise.
+        maximize: name of a quantity to maximise. At most one of ``minimize`` and ``maximize`` may
+            be given.
 
     Returns:
-        The tool found and its pass; if wants and limits conflict, the tool that comes nearest.
+        The tool found and its pass. If targets and limits conflict, it is the tool that comes
+        nearest to meeting them.
 
     Raises:
         ValueError: for an unknown name or an invalid value, a wire that bends, another law of
-            impact, or ranges in which no pass has the quantities. The message is one line.
+            impact, or ranges in which no pass has all quantities. The message is one line.
     """
     if minimize and maximize:
         raise ValueError("minimize, maximize: must be one quantity")
@@ -184,7 +188,7 @@ def design(
 
 
 def _declared(name: str) -> Range:
-    """Return the unit and the permitted range of a quantity's wanted value.
+    """Return the unit and the permitted range of a quantity's target value.
 
     Raises:
         ValueError: for an unknown name.
@@ -195,7 +199,7 @@ def _declared(name: str) -> Range:
 
 
 def _found(search: Search) -> Design:
-    """Search for the tool, simulate its pass, and return the design."""
+    """Run the search, simulate the pass of the tool found, and return the design."""
     place, met = search.solution()
     conflict: tuple[str, ...] = ()
     curves: dict[str, Array] = {}
@@ -242,8 +246,8 @@ def _found(search: Search) -> Design:
 def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
     """Return the derivatives of the quantities with respect to each parameter, in SI units.
 
-    A derivative is NaN where the quantity jumps: a difference quotient is then larger, the smaller
-    its step.
+    A derivative is NaN if the quantity jumps at the designed tool. A jump is recognised by a
+    difference quotient that grows as its step shrinks.
 
     ``place`` holds the parameters of the designed tool as fractions of their ranges.
     """
@@ -264,7 +268,7 @@ def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
 
 
 def _kept(search: Search, place: Array) -> dict[str, tuple[float, float]]:
-    """Return the lowest and highest value of each parameter at which all wants stay met.
+    """Return the lowest and highest value of each parameter at which all targets stay met.
 
     The other parameters do not change. ``place`` holds the parameters of the designed tool as
     fractions of their ranges.

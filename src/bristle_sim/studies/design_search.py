@@ -1,12 +1,12 @@
-"""Search of the ranges of some parameters for the tool whose pass has wanted quantities, with
-passes computed in arrays.
+"""Search for a tool, with some parameters in given ranges, whose pass attains target values. The
+passes are computed in arrays.
 
-Every parameter is expressed as a fraction, from 0 to 1, of its range. The ranges are first sampled
-at the points of a Sobol sequence. The best points are starting points of the search. Differential
-evolution (R. Storn and K. Price, *Journal of Global Optimization* 11 (1997) 341-359), with an exact
-penalty on deviations from the conditions, gives further starting points. From each of them the
-method of least squares finds a point that meets the conditions. Sequential quadratic programming
-then improves the goal subject to the conditions.
+Every parameter is expressed as a fraction, from 0 to 1, of its range. The passes at the points of a
+Sobol sequence are computed first. The best of these points are starting points of the search.
+Differential evolution (R. Storn and K. Price, *Journal of Global Optimization* 11 (1997) 341-359),
+with an exact penalty on deviations from the conditions, gives further starting points. From each
+starting point the method of least squares finds a point that meets the conditions. Sequential
+quadratic programming then minimises the objective subject to the conditions.
 """
 
 from __future__ import annotations
@@ -59,23 +59,26 @@ the points."""
 
 @dataclass(slots=True)
 class Search:
-    """The search for a tool: its conditions, the ranges of the varied parameters, and the goal.
+    """The search for a tool: its conditions, the ranges of the varied parameters, and the
+    objective.
 
-    A condition is a wanted value of a quantity, or an upper limit. The wanted values come first. A
-    point of the search is a set of parameters, each as a fraction of its range from 0 to 1.
+    A condition is the target value of a quantity, or an upper limit; the target values come first.
+    A point of the search is a set of parameters, each as a fraction of its range from 0 to 1. The
+    objective is minimised among the points that meet all conditions. It is the quantity ``goal``,
+    or its negative, or, without a goal, the sum of the squared changes of the parameters from those
+    of ``tool``, as fractions of their ranges.
 
     Attributes:
         tool: the tool that gives the values of all other parameters.
         vary: lower and upper bound of each varied parameter.
-        want: wanted values, by quantity.
+        want: target values, by quantity.
         at_most: upper limits, by quantity.
-        goal: quantity that is minimised or maximised if several tools meet the conditions. Without
-            a goal the change of the parameters is minimised.
-        sense: 1 to minimise the goal, -1 to maximise it.
+        goal: name of the quantity to minimise or maximise; empty if there is none.
+        sense: 1 to minimise the quantity ``goal``, -1 to maximise it.
         surveyed: sampled points whose passes have all quantities, shape (parameters, points).
         spread: standard deviation of each quantity among the sampled points. Deviations from the
-            conditions are measured in it.
-        present: point of the tool before the design, shape (parameters, 1). A value outside its
+            conditions are divided by it.
+        present: point of the tool before the design, shape (parameters, 1). A parameter outside its
             range is moved to the nearest bound.
     """
 
@@ -119,13 +122,14 @@ class Search:
 
     @property
     def conditions(self) -> dict[str, float]:
-        """Wanted value or upper limit of each quantity that has one, by name."""
+        """Target value or upper limit of each quantity that has one, by name."""
         return self.want | self.at_most
 
     def keys_at(self, fractions: Array) -> dict[str, Array]:
         """Return the values of the varied parameters at given points, by name.
 
-        ``fractions`` are the values as fractions of their ranges, shape (parameters, points).
+        ``fractions`` are the points: values as fractions of their ranges, shape (parameters,
+        points).
         """
         return values_at(self.vary, fractions)
 
@@ -137,11 +141,11 @@ class Search:
         return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
     def costs(self, fractions: Array) -> Array:
-        """Return the goal and the signed deviations from the conditions at each point.
+        """Return the objective and the signed deviations from the conditions at each point.
 
-        A deviation is the quantity's value minus its wanted value or upper limit, divided by the
-        quantity's standard deviation. The shape is (1 + conditions, points), with the goal in the
-        first row.
+        A deviation is the quantity's value minus its target value or upper limit, divided by the
+        quantity's standard deviation. The shape is (1 + conditions, points), with the objective in
+        the first row.
         """
         found = self.passes(fractions)
         goal = np.sum((fractions - self.present) ** 2, axis=0)
@@ -153,15 +157,15 @@ class Search:
         return np.array([goal, *excesses])
 
     def misses(self, fractions: Array) -> Array:
-        """Return the deviations from the wanted values and the excesses above the upper limits.
+        """Return the deviations from the target values and the excesses above the upper limits.
 
         Each is divided by its quantity's standard deviation. An excess is 0 below the limit.
 
         Args:
-            fractions: points as fractions of the ranges of the varied keys, shape (keys, points).
+            fractions: parameters as fractions of their ranges, shape (parameters, points).
 
         Returns:
-            One row for each wanted value, then one for each upper limit; shape (conditions,
+            One row for each target value, then one for each upper limit; shape (conditions,
             points).
         """
         found = self.costs(fractions)[1:]
@@ -170,7 +174,7 @@ class Search:
         return found
 
     def solution(self) -> tuple[Array, bool]:
-        """Return the point that meets all conditions with the lowest goal.
+        """Return the point with the least objective among those that meet all conditions.
 
         Returns:
             The point, as fractions of the ranges. If no point meets all conditions, it is the point
@@ -179,7 +183,9 @@ class Search:
         """
 
         def merit(fractions: Array) -> Array:
-            """Return the goal plus a penalty on deviations; NO_STRIKE if a pass lacks the quantities."""
+            """Return the objective plus a penalty on deviations; NO_STRIKE if a pass lacks a
+            quantity.
+            """
             missed = np.abs(self.misses(fractions)).sum(axis=0)
             found = self.costs(fractions)[0] + PENALTY * missed
             return np.asarray(np.nan_to_num(found, nan=NO_STRIKE))
@@ -261,7 +267,9 @@ class Search:
         return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
 
     def _closest(self, start: Array, function: Function) -> Array:
-        """Return the local minimum of the sum of squares of a function's values, near ``start``."""
+        """Return the point near ``start`` at which the sum of squares of a function's values is
+        least.
+        """
         if not self.conditions:
             return start
         value, slopes = with_derivatives(function)
@@ -278,9 +286,9 @@ class Search:
         return np.asarray(found.x)
 
     def _improved(self, start: Array) -> Array:
-        """Return the local minimum of the goal near ``start``, subject to the conditions.
+        """Return the local minimum of the objective near ``start``, subject to the conditions.
 
-        ``start`` itself is returned if the minimisation fails.
+        If the minimisation fails, ``start`` is returned.
         """
         value, slopes = with_derivatives(
             lambda place: np.nan_to_num(self.costs(place), nan=NO_STRIKE)
@@ -313,7 +321,7 @@ def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Func
     ``function`` takes points as fractions of the ranges. The derivatives are finite differences
     with points inside the ranges, ``step`` away at most. A derivative that is not finite is
     replaced by 0. The values have the shape (values,), the derivatives (values, parameters). One
-    call of ``function`` computes both, and the result is stored for the other function.
+    call of ``function`` computes both, and both are stored until the point changes.
     """
 
     @functools.lru_cache(maxsize=2)

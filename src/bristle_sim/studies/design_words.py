@@ -1,5 +1,5 @@
-"""A design in sentences: the tool found, conflicting wants, best compromises, and the tolerances of
-the parameters.
+"""A design in sentences: the tool found, conflicting conditions, best compromises, and the
+tolerances of the parameters.
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ def tool_in_words(search: Search, varied: Mapping[str, float], report: Report, m
     outcome.
 
     Args:
-        search: conditions and goal of the design.
+        search: conditions of the design, and the quantity that it minimises or maximises.
         varied: values of the varied parameters, by name.
         report: report of the simulated pass.
-        met: whether all conditions are met. Only then is the goal called lowest or highest.
+        met: whether all conditions are met. Only then does the clause call the minimised or
+            maximised quantity the lowest or highest.
     """
     reached = {each.name: each.simulated for each in report.quantities}
     extreme = "highest" if search.sense < 0.0 else "lowest"
@@ -56,11 +57,11 @@ def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
 
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:
-    """Return a sentence with the interval of each parameter in which all wants stay met."""
+    """Return a sentence with the interval of each parameter in which all targets stay met."""
     ranges = listed(
         [f"{key} from {' to '.join(map(KEYS[key].displayed, ends))}" for key, ends in kept.items()]
     )
-    return f"The wants are kept, to 1 % or 1°, with {ranges}, one key at a time."
+    return f"The targets stay met, to 1 % or 1°, with {ranges}, one key at a time."
 
 
 def listed(parts: Sequence[str]) -> str:

@@ -2,10 +2,10 @@
 map over both, and the pair that comes nearest.
 
 Film and micrograph give three facts of a strike of a straight wire: it touches once, compression
-lasts some 50 us, and the crater is 130 um deep. Neither the contact's stiffness nor the damping was
-measured. The stiffness is given here as the duration of the contact that a rigid bristle would
-have. Each point of the map is a pass of a wire of links, simulated to half a millisecond after the
-first touch. The wire already vibrates when it strikes.
+lasts about 50 us, and the crater is 130 um deep. Neither the contact's stiffness nor the damping
+was measured. The stiffness is specified here by the duration of the contact that a rigid bristle
+would have. Each point of the map is a pass of a wire of links, simulated to half a millisecond
+after the first touch. The wire already vibrates when it strikes.
 """
 
 import dataclasses
@@ -105,10 +105,11 @@ class FilmMap:
 
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
-    """Map touches, compression time and crater depth, and find the point nearest to measurement.
+    """Map the touches, compression time and crater depth, and find the point nearest to the
+    measurements.
 
-    The axes of the map are the duration of the contact and the damping of the wire. The tool of the
-    nearest point is then varied in shape, number of links and friction.
+    The axes of the map are the duration of the contact and the damping of the wire. The shape, the
+    number of links and the friction of the nearest point's tool are then varied.
 
     Raises:
         ValueError: if no pass of the map strikes, or the optional dependencies ``sweep`` are not
@@ -186,8 +187,8 @@ def _strike_time(tool: Tool, settings: Settings) -> float:
 def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
     """Simulate a strike of the tool with some of its parameters changed, and return its measures.
 
-    MEASURES has their names and units. The pass ends half a millisecond after the first touch.
-    Compression time and slide are None unless the contact law is ``compliant``.
+    ``MEASURES`` lists their names and units. The pass ends half a millisecond after the first
+    touch. Compression time and slide are None unless the contact law is ``compliant``.
 
     Args:
         settings: accuracy and limits of the simulation.
@@ -195,7 +196,7 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
         keys: values of the changed parameters, by name.
 
     Raises:
-        ValueError: if the pass has no strike, or is given up.
+        ValueError: if the pass has no strike, or the solver gives it up.
     """
     with warnings.catch_warnings(
         action="ignore", category=UnusualValueWarning
@@ -217,10 +218,10 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
 
 
 def _variants(best: Tool, knee: float, settings: Settings) -> list[dict[str, Any]]:
-    """Return the measures of the tool ``best`` with another shape, number of links or friction.
+    """Return the measures of variants of the tool ``best`` in shape, number of links or friction.
 
-    ``knee`` is the angle of the bent shapes, deg. A variant that cannot be simulated has the reason
-    under ``failure``.
+    ``knee`` is the angle of the bent shapes, deg. If a variant cannot be simulated, its entry
+    ``failure`` has the reason.
     """
     links = best.bristle.links
     changes: dict[str, dict[str, float]] = {

@@ -2,7 +2,7 @@
 same stiffness.
 
 The end of a straight radial wire strikes while the whole wire turns at one angular velocity. The
-contact is a spring with energetic restitution. Its stiffness is given as the duration of the
+contact is a spring with energetic restitution. Its stiffness is specified by the duration of the
 contact that the rigid bristle would have. Unlike an instantaneous impact, this strike converges as
 the number of links grows.
 """
@@ -111,7 +111,7 @@ class FlexibleStrike:
         )
 
     def reference(self) -> ContactRecord:
-        """Return the contact by the independent reference solution."""
+        """Return the contact, computed with the independent reference solver."""
         from bristle_sim.reference import strike_reference
 
         longest = LONGEST_CONTACT * self.contact.duration
@@ -223,7 +223,7 @@ def _answer(
 
 
 def second_touch(wire: ChainStrike) -> float | None:
-    """Return the time from the first to the second touch of the wire's end, s; None without one."""
+    """Return the time (s) between the first two touches of the wire's end; None for one touch."""
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
     return float(wire.time[np.argmax(deeper)]) if deeper.any() else None
@@ -232,7 +232,7 @@ def second_touch(wire: ChainStrike) -> float | None:
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
     """Return impulse, peak force, duration and crater depth of a contact.
 
-    MEASURES has their names and units.
+    ``MEASURES`` lists their names and units.
 
     Raises:
         ValueError: if the contact has no time history, because the wire's end barely touches.
@@ -252,7 +252,7 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """Return each measure of the first strike divided by that of the second; NaN where that is 0."""
+    """Return each measure's ratio of the first strike to the second; NaN if the latter is 0."""
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 

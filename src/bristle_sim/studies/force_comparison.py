@@ -1,10 +1,10 @@
 """The force curve that chapter 3 of Zhang 2020 assumes, compared with the force of a simulated
 contact of the bristle.
 
-The curve (3.19) belongs to a ball on a plate and is transferred to the bristle. The simulated
-contact is a spring, with the same compressive impulse and compression time. A curve of the form
-(3.3) fitted to a measured record may replace (3.19). Whether the record has that form is shown by
-the residuals of the fit, less the noise, which is estimated from second differences.
+The curve (3.19) is that of a ball on a plate, transferred to the bristle. The simulated contact is
+a spring, with the same compressive impulse and compression time. A curve of the form (3.3), fitted
+to a measured record, may replace (3.19). The residuals of the fit, less the noise, show whether the
+record has that form. The noise is estimated from second differences.
 """
 
 import math
@@ -67,9 +67,9 @@ class ForceComparison:
     """Results of the comparison, from which its figures are drawn.
 
     Attributes:
-        curve: force curve by eq. 3.19 of the dissertation, or the curve fitted to measured points.
+        curve: force curve of eq. 3.19 of the dissertation, or the curve fitted to measured points.
         contact: the simulated contact; None if no contact of the bristle has the requested values.
-        measured: the measured points; None without a measurement.
+        measured: the measured points; None if there is no measurement.
         no_contact: reason why there is no contact.
     """
 
@@ -214,7 +214,7 @@ def _measured_force(measurement: Measurement) -> MeasuredForce:
 def _misfit(measured: MeasuredForce) -> Quantity:
     """Return the root mean square residual of a fit, divided by the peak force.
 
-    The measurement noise is subtracted. It is estimated from second differences of the force.
+    The measurement noise, which is estimated from second differences of the force, is subtracted.
     """
     second = np.diff(measured.force, 2)  # their variance is 6 times a point's
     peak = measured.fit.curve.peak_force()

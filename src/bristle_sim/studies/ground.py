@@ -1,12 +1,12 @@
-"""The ground that strikes leave on a part of the track, by three rules for how a crater meets an
-earlier one.
+"""The ground that strikes leave on a part of the track. One of three rules determines how a crater
+meets earlier craters.
 
 Every strike lowers the shape of one crater (``theory/crater_body.py``) until its deepest point is
 at a height z_0, and removes everything above the shape. The rules differ in z_0:
 
 - ``energy``: the shape comes down until the volume that it has cut from peaks and valleys is the
-  volume of a crater of the strike's depth on a plane, as if energy per volume were constant. The
-  shape continues beyond the first crater's outline.
+  volume of a crater of the strike's depth on a plane, as if the energy per volume were constant.
+  The shape continues beyond the first crater's outline.
 - ``plane``: z_0 is the strike's depth below the original plane.
 - ``ground``: z_0 is the strike's depth below the mean height of the ground within the outline.
   Nothing outside of the outline is cut.
@@ -41,12 +41,12 @@ MARGIN = 1.1
 
 
 def floor_of_volume(above: Array, volume: float) -> float:
-    """Return the height z_0 down to which cells must be cut to remove a given volume.
+    """Return the height z_0 to which cells must be cut down to remove a given volume.
 
     z_0 solves sum of max(above - z_0, 0) = volume, where ``above`` are the heights of cells of unit
-    area. The first trial height would spread the volume over all cells; it is too low if some cells
-    are below it. These cells are left out, which raises the trial height, until no remaining cell
-    is below it (Michelot 1986).
+    area. The first trial height is that at which all cells together would lose the volume. It is
+    wrong if some cells are below it. Such cells are left out and the trial height is computed anew,
+    until no remaining cell is below it (Michelot 1986).
 
     Here the two highest of three cells lose a volume of 3:
 
@@ -145,8 +145,8 @@ class Ground:
     def _window(self, x: float, y: float, height: float) -> tuple[Any, Array]:
         """Return the indices of the cells near (x, y), and the crater shape's heights there.
 
-        The cells are those where the shape is at most ``height`` above its lowest point (m), but at
-        least one cell.
+        The cells are those where the shape is at most ``height`` (m) above its lowest point. There
+        is always at least one cell.
         """
         start, end, side = self.body.reach(height)
         along, dx = _cells(x, start, end, self.step, self.heights.shape[1])

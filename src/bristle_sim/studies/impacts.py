@@ -2,8 +2,8 @@
 double pendulums.
 
 Each impact is simulated by the requested contact law and, for comparison, by the other laws.
-Angular velocities of pendulums have the sign of the dissertation, negative in approach. In the
-simulation the same motion has the other sign.
+Angular velocities of pendulums have the dissertation's sign, which is negative in approach. The
+simulation has the opposite sign.
 """
 
 import math
@@ -202,7 +202,7 @@ def double_pendulum(
     theory = {name: float(getattr(closed_form, name)) for name in labels}
     if not one.kinetic_energy[0]:
         del theory["kinetic_energy_ratio"]
-    # Friction magnifies the rounding of a rod's angle; the factor is the friction itself for a rod
+    # Friction amplifies the rounding of a rod's angle; the factor is the friction itself for a rod
     # along the surface.
     along = abs(math.cos(angles[1]))
     across = abs(math.sin(angles[1]))
@@ -235,11 +235,13 @@ def _compared(
     Args:
         labels: label and unit of each quantity, by name.
         simulated, theory: values by name.
-        tolerance: accepted relative difference, without the rounding errors that geometry
-            magnifies. None if the values may differ from theory.
-        rounding: magnified relative rounding error of each value, by name. It is added to the
-            tolerance.
-        least: magnitude up to which a value counts as 0, by name.
+        tolerance: accepted relative difference, not including the rounding error that the geometry
+            amplifies, which ``rounding`` adds. None if the values need not agree with theory.
+        rounding: amplified relative rounding error of each value, by name.
+        least: largest magnitude of a value that counts as 0, by name.
+
+    Returns:
+        One quantity for each label, with the simulated and the theoretical value.
     """
 
     def rounded(values: Values) -> Values:
@@ -258,9 +260,9 @@ def _compared(
 def _tolerance(impacts: Impacts, settings: Settings, jam: float = math.inf) -> float | None:
     """Return the accepted relative difference of the requested contact law from theory.
 
-    It is None for a law that does not follow the theory. At the friction mu = tan gamma, at which
-    the rod jams, the solution is singular. Near this friction the rounding error of the inverse
-    mass matrix K is magnified by the factor 1/|1 - mu/tan gamma|.
+    It is None for a law that does not follow the theory. The solution is singular at the friction
+    mu = tan gamma, at which the rod jams. Near this friction the rounding error of the inverse mass
+    matrix K is amplified by the factor 1/|1 - mu/tan gamma|.
 
     Args:
         impacts: the impact by each contact law.
@@ -284,8 +286,7 @@ def _report(
     Args:
         impacts: the impact by each contact law.
         quantities: the comparison with theory.
-        sign: +1 or -1, by which simulated angular velocities are multiplied. The report then has
-            the dissertation's sign convention.
+        sign: factor +1 or -1 that gives simulated angular velocities the dissertation's sign.
         turning: name of the rod whose angular velocity the answer states.
     """
     requested = impacts.strikes[impacts.contact.law]

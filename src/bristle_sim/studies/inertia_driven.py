@@ -1,11 +1,12 @@
-"""A tool without a bar, compared with the bar-cued tool by simulation, by energy and by the
-independent reference solution.
+"""A tool without a bar, compared with the tool with a bar: by simulation, by conservation of
+energy, and by the independent reference solution.
 
-The bristle travels in translation on the straight part of the belt and then enters the pulley.
-There it is radial and does not rotate, so that its angular velocity relative to the pulley, which
-rotates at omega, is -omega. The bristle lags, and its belt swings it back. The report has the tip
-speed when the bristle is radial again, and the pulley speed at which this tip speed would be that
-of the tool with a bar.
+The bristle travels in translation on the straight part of the belt and then enters the pulley,
+which rotates at the angular velocity omega. At the entry the bristle is radial and does not rotate.
+Its angular velocity relative to the pulley is therefore -omega. The bristle lags, and the belt
+swings it back. The report states the tip speed at the instant at which the bristle is radial again.
+It also states the pulley speed at which this tip speed would equal the tip speed at the strike of
+the tool with a bar.
 """
 
 import dataclasses
@@ -70,10 +71,9 @@ class InertiaDriven:
 
 
 def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
-    """Simulate a bristle that is accelerated by its inertia alone, without a bar.
+    """Simulate a bristle that swings through its own inertia, without a bar.
 
-    The study also finds the pulley speed at which the tip becomes as fast as in the tool with a
-    bar.
+    The study also finds the pulley speed at which the tip is as fast as in the tool with a bar.
 
     Raises:
         ValueError: if the hub is at rest, the wire bends, or a run exceeds the step budget.
@@ -83,7 +83,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
 
     def run(bare: Tool, time: float) -> Trajectory:
-        """Simulate the tool without a bar for a time, s."""
+        """Simulate the tool ``bare``, which has no bar, for a given time (s)."""
         turn = bare.hub.speed * time
         if turn < LEAST_TURN:
             raise ValueError(
@@ -122,10 +122,11 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
 
 
 def until_radial(tool: Tool, run: BareRun) -> Trajectory | None:
-    """Return the motion of the bristle without a bar until it is radial again.
+    """Return the motion of the bristle, simulated without the bar, until the bristle is radial
+    again.
 
-    It is None if the bristle does not become radial again. ``run`` simulates the tool for a given
-    time (s).
+    The result is None if the bristle never becomes radial again. ``run`` is a function that takes a
+    tool and a duration (s) and simulates the tool for that time.
     """
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
@@ -179,20 +180,23 @@ def _values(
 def _equal_hub_speed(
     tool: Tool, run: BareRun, radial: Trajectory, strike_speed: float
 ) -> float | None:
-    """Return the pulley speed at which the tip is as fast as with a bar, rad/s.
+    """Return the pulley speed at which the tip is as fast as in the tool with a bar, rad/s.
 
-    The tip's speed is taken when the bristle is radial again. The pulley speed is found by the
-    secant method. It is None if the bristle leans over by 90 deg, or the method does not converge.
+    The tip speed without the bar is that at the instant at which the bristle is radial again. The
+    secant method finds the pulley speed. The result is None if the bristle lags by 90 deg, or if
+    the method does not converge.
 
     Args:
         tool: the tool.
-        run: function that simulates a tool without a bar for a given time (s).
-        radial: motion at the tool's own pulley speed, until the bristle is radial again.
-        strike_speed: speed of the tip at the strike in the tool with a bar, m/s.
+        run: function that takes a tool without a bar and a duration (s), and simulates the tool for
+            that time.
+        radial: motion without the bar at the tool's own pulley speed, until the bristle is radial
+            again.
+        strike_speed: tip speed at the strike of the tool with a bar, m/s.
     """
 
     def missing(speed: float) -> float:
-        """Return the tip's speed at a pulley speed (rad/s), minus ``strike_speed``, m/s."""
+        """Return the tip speed (m/s) at a pulley speed (rad/s), minus ``strike_speed``."""
         tried: Trajectory | None = radial
         if speed != tool.hub.speed:
             tried = until_radial(tool.replace(hub_speed=speed), run)
@@ -215,10 +219,10 @@ def _tip_speed_at_strike(run: Trajectory) -> float | None:
 
 
 def _theory(tool: Tool, strike_speed: float | None) -> Values:
-    """Return the study's quantities by conservation of energy and quadrature.
+    """Return the study's quantities, computed from conservation of energy by quadrature.
 
-    They are empty for a belt with damping. ``strike_speed`` is the simulated tip speed with a bar
-    (m/s), for which the pulley speed of equal tip speed is computed.
+    The mapping is empty if the belt has damping. ``strike_speed`` is the tip speed (m/s) at the
+    simulated strike of the tool with a bar; it determines the pulley speed of equal tip speed.
     """
     if tool.belt_damping:
         return {}

@@ -1,4 +1,5 @@
-"""The least pitch of the bristles in one plane; below it two neighbouring wires touch each other.
+"""The least pitch of the bristles in one plane, below which two neighbouring wires touch each
+other.
 
 The pitch is the angle beta between neighbouring bristles on the hub. The least pitch follows from
 the motion A(t) of a single bristle. At constant hub speed omega a bristle that touches no other
@@ -43,14 +44,15 @@ NEXT_SEARCH = 1e-6
 class LeastPitch:
     """The angle between neighbouring bristles above which their wires do not touch.
 
-    Only touches up to a certain instant of the pass count.
+    Only touches up to the instant ``until`` of the pass count.
 
     Attributes:
         name: name of the quantity.
-        until: the instant, s; None without a strike.
+        until: the instant, s; None if there is no strike.
         of_follower: whether ``until`` is measured in the pass of the following bristle, which is
             delayed by the pitch, instead of the pass of the leading bristle.
-        by_theory: the pitch by the motion of a lone bristle, deg; None if it was not computed.
+        by_theory: the pitch that follows from the motion of a lone bristle, deg; None if it was not
+            computed.
     """
 
     name: str
@@ -90,8 +92,8 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
     """Return the smallest distance between the centre lines of a bristle and its follower, m.
 
     The follower repeats the motion of a lone bristle with a delay. Between samples the centre line
-    is a cubic in time. Its relative error is h^4/384, where h is the phase of the oscillation
-    between samples, rad: 1e-8 at 150 samples per period.
+    is interpolated by a cubic in time. Its relative error is h^4/384, where h is the phase of the
+    oscillation between samples, rad: 1e-8 at 150 samples per period.
 
     Args:
         lone: motion of the lone bristle.
@@ -123,7 +125,7 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
 def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
     """Return the minimum of a function between two bounds, and the argument at which it occurs.
 
-    The function must have a single local minimum there.
+    The function must have a single local minimum between the bounds.
     """
     found = minimize_scalar(
         function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)}
@@ -150,7 +152,7 @@ def least_pitch(
         until: instant up to which touches count, s.
         of_follower: whether ``until`` is measured in the pass of the following bristle, which is
             delayed by the pitch, instead of the pass of the leading bristle.
-        largest: pitch from which the search goes downwards, rad. The wires must not touch there.
+        largest: largest pitch of the search, rad. At this pitch the wires must not touch.
     """
     last = float(lone.time[-1])
 

@@ -49,7 +49,7 @@ def limits(
     """Return all values of a parameter at which the outcome of the pass changes, in ascending
     order.
 
-    From which coefficient of friction on does the tip stick?
+    At which coefficient of friction does the tip begin to stick?
 
     >>> import bristle_sim as bs
     >>> [(round(change.at, 4), change.above) for change in bs.limits(friction=(0.1, 0.6))]

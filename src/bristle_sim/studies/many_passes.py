@@ -1,4 +1,5 @@
-"""Quantities of passes of many tools at once, computed in arrays and checked by single simulations.
+"""The quantities of the passes of many tools, computed at once in arrays and checked by single
+simulations.
 
 Names and units of the quantities are those of the study of a whole pass.
 """
@@ -153,7 +154,7 @@ def checked_by_scene(
     answer: Array,
     values_of: Callable[[Array], Mapping[str, Array]],
 ) -> Check:
-    """Compare vectorised passes with passes simulated one by one, at an answer and at random points.
+    """Compare vectorised passes with passes simulated one by one, at a given and at random points.
 
     The outcome, the instant of the strike, lag, tip speed and normal impulse are compared. Their
     differences are relative. A tool that the vectorised computation rejects is left out.
@@ -161,7 +162,7 @@ def checked_by_scene(
     Args:
         tool: the tool that gives the values of all other parameters.
         settings: accuracy of both computations.
-        answer: point of the answer, as fractions of ranges from 0 to 1.
+        answer: the given point, which a study has found, as fractions of ranges from 0 to 1.
         values_of: function of points, shape (ranges, points), that returns the values of the varied
             parameters, by name.
     """

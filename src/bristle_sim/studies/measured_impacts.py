@@ -95,7 +95,7 @@ class Ellipse(NamedTuple):
         return np.asarray((self.jacobian @ velocity[..., np.newaxis])[..., 0])
 
     def predicted(self, law: Law, friction: float, restitution: float) -> Array:
-        """Return the impulses (normal, tangential) by a contact law (N s), shape (n, 2).
+        """Return the impulses (normal, tangential) that a contact law gives (N s), shape (n, 2).
 
         They are predicted from the measured velocities before the impacts.
         """
@@ -107,19 +107,18 @@ class Ellipse(NamedTuple):
         """Return the mean relative error of the velocities after the impacts.
 
         The velocities are computed with ``impulse``, the impulses (normal, tangential) in N s,
-        shape (n, 2). The error is |v computed - v measured|/|v measured|, where the kinetic energy
-        defines the norm.
+        shape (n, 2). The error is |v computed - v measured|/|v measured|, in the norm that the
+        kinetic energy defines.
         """
         change = np.einsum("kij,ki->kj", self.jacobian, impulse) / INERTIA
         missed = self.before + change - self.after
         return float(np.sqrt((missed**2 @ INERTIA) / (self.after**2 @ INERTIA)).mean())
 
     def best_impulse(self) -> Array:
-        """Return the impulses that explain the measured velocities after the impacts best.
+        """Return the impulses that best explain the measured velocities after the impacts.
 
-        With these impulses the distance between computed and measured velocities is least, where
-        the kinetic energy defines the norm. The impulses are (normal, tangential) in N s, shape (n,
-        2).
+        They minimise the distance between computed and measured velocities, in the norm that the
+        kinetic energy defines. The impulses are (normal, tangential) in N s, shape (n, 2).
         """
         change = self.at_contact(self.after - self.before)
         return np.asarray(np.linalg.solve(self.inverse_mass, change[..., np.newaxis])[..., 0])
@@ -185,8 +184,8 @@ It runs in a process of its own, since SciPy's reader may crash on a damaged fil
 def read_ellipse(path: str) -> Ellipse:
     """Read the measured impacts of the elliptical body from a file, with their contact Jacobians.
 
-    Only impacts whose flags are all 0 are read. In the file the body's angle phi is clockwise. With
-    the half axes a and b the contact point is at the depth
+    Only impacts whose flags are all 0 are read. In the file the body's angle phi is positive
+    clockwise. With the half axes a and b the contact point is at the depth
 
         h = sqrt(a^2 sin^2 phi + b^2 cos^2 phi)
 
@@ -226,7 +225,7 @@ def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
     from scipy.optimize import minimize
 
     def misfit(at: Array) -> float:
-        """Return the mean relative error of the velocities, with these coefficients."""
+        """Return the mean relative error of the velocities for given coefficients."""
         return train.misfit(train.predicted(law, *bounded(at)))
 
     def bounded(at: Array) -> tuple[float, float]:

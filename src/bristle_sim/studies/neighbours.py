@@ -256,8 +256,8 @@ def _searched(row: NeighbourRow, least: LeastPitch) -> Quantity:
     """Search for the largest pitch at which two simulated wires touch, near its theoretical value.
 
     Returns:
-        The comparison of both pitches. The simulated one is None if it was not searched, or is not
-            within AGREEMENT of the theoretical one.
+        The comparison of both pitches. The simulated pitch is None if there was no search, or if it
+            is not within AGREEMENT of the theoretical pitch.
     """
     theory = least.by_theory
     compared = Quantity(least.name, "deg", None, theory, label=LEAST_PITCHES[least.name])
@@ -292,9 +292,9 @@ def _searched(row: NeighbourRow, least: LeastPitch) -> Quantity:
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return the quantities of a bristle's first strike, by name; None without a strike.
+    """Return the quantities of a bristle's first strike, by name; None if there is no strike.
 
-    STRIKE has their names and units.
+    ``STRIKE`` lists their names and units.
     """
     found = measures_of(tool, run)
     return {name: found[name] for name in STRIKE}
@@ -307,8 +307,8 @@ def _touches(run: Trajectory) -> list[float]:
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Compare the strike of the row's last bristle with that of a lone bristle.
 
-    The lone bristle stands for theory. The number of touches of the last bristle's wire is compared
-    too.
+    The values of the lone bristle count as theory. The number of touches of the last bristle's wire
+    is also compared.
     """
     tool = row.tool
     last = row.bristles[-1]

@@ -134,7 +134,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     slope -= omega * weight * forward
 
     def lost(at: Array) -> Array:
-        """Return the energy lost between each two neighbouring samples, J.
+        """Return the energy lost between each pair of neighbouring samples, J.
 
         It is the time integral of the power by the trapezoidal rule with end corrections, of fourth
         order.
@@ -146,9 +146,9 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     def error(flight: Array) -> float:
         """Return a bound of the error of the energy lost in a flight, J.
 
-        The loss over each two neighbouring intervals is compared with that over both as one. The
-        rule's error is proportional to the fifth power of the interval. The bound is twice the sum
-        of the errors' magnitudes, since the interval is not small enough for this everywhere.
+        The loss over each pair of neighbouring intervals is compared with the loss over both as one
+        interval. The rule's error is proportional to the fifth power of a small interval. The bound
+        is twice the sum of the errors' magnitudes, since not all intervals are small enough.
         """
         steps = np.diff(run.time[flight])
         over_both = np.array([lost(flight[i : i + 3 : 2])[0] for i in range(len(flight) - 2)])
@@ -156,7 +156,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
         return float(2.0 * (excess * pairs(steps**5) / (pairs(steps) ** 5 - pairs(steps**5))).sum())
 
     def pairs(values: Array) -> Array:
-        """Return the sums of each two neighbouring values."""
+        """Return the sum of each pair of neighbouring values."""
         return values[1:] + values[:-1]
 
     middle = 0.5 * (run.time[1:] + run.time[:-1])
@@ -181,7 +181,8 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
     """Return whether the rigid-body impact law applies to a contact.
 
-    It does not apply to a sustained contact, a contact of requested duration, or a jam.
+    It does not apply to a sustained contact, to a contact whose duration was requested, or to a
+    jam.
     """
     lasting = contact.duration and tool.contact.duration is not None
     return contact.law != "sustained" and contact.outcome != "jam" and not lasting
@@ -190,8 +191,8 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     """Return the deepest overlap of wire and obstacle at any sample, divided by the wire's length.
 
-    It is 0 without overlap. A contact of requested duration is left out, because the wire then
-    penetrates the workpart by design.
+    It is 0 if nothing overlaps. A contact whose duration was requested is left out, because the
+    wire then penetrates the workpart by design.
     """
     depths = [0.0]
     lines = run.centre_line @ X_Y

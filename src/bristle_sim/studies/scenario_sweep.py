@@ -81,7 +81,7 @@ class Series:
 
     @property
     def changes(self) -> bool:
-        """Whether the values differ by more than rounding error among the points."""
+        """Whether the values at the points differ by more than rounding error."""
         known = self.finite
         return bool(known.size and np.ptp(known) > ROUNDING * np.abs(known).max())
 
@@ -158,8 +158,8 @@ def sweep_of_runs(
         store: folder in which finished points are stored, as for :func:`bristle_sim.sweep`.
 
     Returns:
-        The simulated values of the report's quantities. A quantity that is not simulated at any
-            point has its values by formula.
+        The simulated values of the report's quantities. If a quantity is not simulated at any
+            point, the values are those of its formula.
 
     Raises:
         ValueError: if the workers are lost, or the extra ``sweep`` is needed and not installed.
@@ -217,8 +217,8 @@ def _with_workers(
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
     """Run a scenario at one point, and return its simulated values by name.
 
-    A quantity without a simulated value has its value by formula, with FORMULA after its name. The
-    entry ``failure`` is the reason why simulated values are missing.
+    If a quantity has no simulated value, the value is that of its formula, with FORMULA after its
+    name. The entry ``failure`` is the reason why simulated values are missing.
     """
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}

@@ -39,9 +39,9 @@ def state_at_strike(
 ) -> dict[str, float | None]:
     """Return lag, relative angular velocity and tip speed at a strike, by name.
 
-    STATE has the names and units. The values are None without a contact. The links of a wire that
-    bends vibrate; its lag and angular velocity are therefore those of the straight line from root
-    to tip.
+    ``STATE`` lists the names and units. The values are None if there is no contact. The links of a
+    wire that bends vibrate; its lag and angular velocity are therefore those of the straight line
+    from root to tip.
     """
     if contact is None:
         return dict.fromkeys(STATE)
@@ -75,7 +75,7 @@ def beside_radial(lag: float) -> str:
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
     """Return impulses, works and angular velocities of a contact, by name.
 
-    IMPACT has the names and units. A quantity is None if the contact law does not compute it.
+    ``IMPACT`` lists the names and units. A quantity is None if the contact law does not compute it.
     """
     if contact is None:
         return dict.fromkeys(IMPACT)
@@ -95,7 +95,7 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
 
 
 def outcome_fields(contact: ContactRecord | None) -> dict[str, Any]:
-    """Return the fields of a report on the outcome of a contact.
+    """Return the fields with which a report states the outcome of a contact.
 
     They are the outcome's name, the outcome in words, and the phases of the contact. A jam has the
     name ``stiction``.
@@ -117,8 +117,8 @@ friction changes the impulse by about 10 %."""
 def impulse_caution(contact: ContactRecord, bends_at_once: bool = False) -> str:
     """Return a warning clause if the impulse of a strike is unreliable; empty otherwise.
 
-    The clause names a remedy. ``bends_at_once`` states that a wire of several links strikes in an
-    instant. In this model the impulse goes to zero as the number of links grows.
+    The clause names a remedy. ``bends_at_once`` states whether a wire of several links strikes in
+    an instant. In this model the impulse goes to zero as the number of links grows.
     """
     if bends_at_once:
         return (

@@ -1,4 +1,4 @@
-"""A pass up to its strike with some of the tool's parameters changed: one point of a map or a
+"""A pass up to its strike, with some of the tool's parameters changed: one point of a map or a
 sweep.
 """
 
@@ -44,8 +44,8 @@ def strike_of_keys(
     """Simulate a pass with some of the tool's parameters changed, and return the measures of its
     strike.
 
-    STRIKE_UNITS has the names and units of the measures. ``values`` are the changed parameters, by
-    name.
+    ``STRIKE_UNITS`` lists the names and units of the measures. ``values`` are the changed
+    parameters, by name.
 
     Raises:
         ValueError: if the run exceeds the step budget, or the bristle does not strike after leaving
@@ -61,10 +61,11 @@ def strike_of_keys(
 def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, NDArray[Any]]:
     """Return the measures of the strikes of many tools, by name.
 
-    STRIKE_UNITS has the names and units of the measures. ``values`` are arrays of the parameters in
-    which the tools differ, by name. The strikes are computed as arrays if the bristle is straight
-    and rigid and the law is energetic; otherwise they are simulated one by one. If a bristle does
-    not strike after leaving the bar, its measures are NaN, and ``failure`` has the reason.
+    ``STRIKE_UNITS`` lists the names and units of the measures. ``values`` are arrays of the
+    parameters in which the tools differ, by name. The strikes are computed as arrays if the bristle
+    is straight and rigid and the law is energetic; otherwise they are simulated one by one. If a
+    bristle does not strike after leaving the bar, its measures are NaN, and ``failure`` has the
+    reason.
     """
     if unable(tool):
         found = evaluate_in_turn(partial(strike_of_keys, settings, tool), values)
@@ -105,7 +106,8 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """Return the measures of the first strike of a pass, by name.
 
-    STRIKE_UNITS has the names and units. A measure that the contact law does not compute is None.
+    ``STRIKE_UNITS`` lists the names and units. A measure that the contact law does not compute is
+    None.
 
     Raises:
         NotCuedError: if the bristle does not strike, has not touched the bar before, or still
@@ -126,7 +128,7 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> float | None:
-    """Return the depth of the crater that a contact cuts (m), along the tip's velocity before it.
+    """Return the depth (m) of the crater that a tip cuts along its velocity before the contact.
 
     The depth is None if the tip cuts no chip, or the contact law does not compute work.
     """
@@ -145,8 +147,8 @@ def crater_depth(
 
     The tip is as wide as the wire. It cuts along its velocity into API 5L steel. The shear plane
     ends at the workpart's surface, which is inclined to the tip's path (theory/crater_cutting.py).
-    The depth is NaN if no chip is cut: without friction, by a wire without thickness, or by a tip
-    that does not enter the workpart obliquely. The arguments broadcast.
+    The depth is NaN if no chip is cut. This is so without friction, for a wire without thickness,
+    and for a tip that does not enter the workpart obliquely. The arguments broadcast.
 
     Args:
         lost: energy that the tip loses in compression, J.

@@ -1,9 +1,10 @@
 """From crater to surface: the roughness, the coverage and the area per hour that a tool makes,
 computed crater by crater.
 
-The first crater is the volume that the tip sweeps. Its depth follows from the contact's energy,
-with the surface inclined to the tip's path (``crater_study``). It may also be a paraboloid of given
-sizes. The tool's strikes are placed on a part of its track, and ``ground`` cuts their craters.
+The first crater is the volume that the tip sweeps. Its depth follows from the energy of the
+contact, for a surface inclined to the tip's path (``crater_study``). Alternatively the first crater
+is a paraboloid of given size. The tool's strikes are placed on a part of its track, and ``ground``
+cuts their craters.
 """
 
 import io
@@ -137,7 +138,7 @@ def surface(
     covered 0.98
 
     Args:
-        tool: the tool; the dissertation's by default. A pass of it gives the strike, unless
+        tool: the tool; the dissertation's by default. The strike is that of its pass, unless
             ``crater`` is given.
         crater: speed and angle of the strike, and the cutting properties of tip and workpart. By
             default speed and angle are those of the pass, and the cutting properties those of the
@@ -184,8 +185,8 @@ def first_crater(
 ) -> CraterBody:
     """Return the shape of the first crater, which is cut into a plane.
 
-    It is the volume that the tip sweeps. If a size of the crater is given, it is a paraboloid
-    instead, whose other sizes are those of the swept volume. The arguments are those of
+    It is the volume that the tip sweeps. If a length, width or depth of the crater is given, it is
+    a paraboloid instead; its other sizes are those of the swept volume. The arguments are those of
     :func:`blasted_surface`.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The outcome of a sweep's points; worker processes import this module alone."""
+"""The evaluation of a sweep's points. Worker processes import only this module."""
 
 import functools
 import logging

@@ -1,9 +1,9 @@
-"""Force and motion of a bristle's contact with a requested compression time, and a requested
+"""Force and motion of a bristle during a contact with a requested compression time and a requested
 impulse or speed.
 
-The contact is simulated over time. In its 50 us the hub turns by 0.75 deg and the bristle by more,
-so that impulse and duration differ from the rigid-body limit by some per cent. Speed and stiffness
-are therefore adjusted until the simulated contact has the requested values.
+During a contact of about 50 us, the hub turns by 0.75 deg and the bristle by more, so the impulse
+and the duration differ from the rigid-body limit by a few per cent. Speed and stiffness are
+therefore adjusted until the simulated contact has the requested values.
 """
 
 import dataclasses
@@ -39,7 +39,7 @@ PRINTED_COMPRESSION = 5e-5  # compression time of a bristle's strike, s (Zhang 2
 
 
 def compression_end(history: ContactHistory) -> float:
-    """Return the time from the first touch to the sample of deepest penetration, s."""
+    """Return the time (s) from the first touch to the sample with the deepest penetration."""
     return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 
@@ -222,7 +222,7 @@ def timed_contact(
 
 
 def contact_fields(contact: TimedContact, **later: float) -> dict[str, Any]:
-    """Return the fields of a report on a contact.
+    """Return the fields with which a report describes a contact.
 
     ``later`` holds times of further events (s), by name.
     """
@@ -233,10 +233,10 @@ def contact_fields(contact: TimedContact, **later: float) -> dict[str, Any]:
 def with_visible_contact(impacts: Impacts) -> Impacts:
     """Return the impacts with a compliant contact that is long enough to be seen in a film.
 
-    Without a requested duration, the compliant contact is so short that the rods hardly move. It is
-    replaced by a contact whose compression lasts 50 us, as printed in the dissertation. The impacts
-    are returned unchanged if a duration was requested, or if 50 us are too short or too long for
-    the rods.
+    If no duration was requested, the compliant contact is so short that the rods hardly move. It is
+    then replaced by a contact whose compression lasts 50 us, the value printed in the dissertation.
+    The impacts are returned unchanged if a duration was requested, or if no contact of these rods
+    has this compression time.
     """
     found = impacts.strikes.get("compliant")
     if found is None or impacts.contact.duration is not None:
@@ -246,7 +246,9 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
         return impacts
 
     def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
-        """Simulate the impact with a contact of this duration (s); return it with the compression time."""
+        """Simulate the impact with a contact of a given duration (s); return it with its
+        compression time.
+        """
         law = Contact("compliant", duration)
         found = strike(impacts.chain, impacts.surface, law, Settings())
         assert found.contact.history is not None  # it is resolved in time
@@ -267,18 +269,18 @@ def _adjusted(
     wanted: Array,
     tolerance: float,
 ) -> Result:
-    """Adjust the arguments of a simulation until its result has the wanted values.
+    """Adjust the arguments of a simulation until it attains target values.
 
     The method is Broyden's, applied to the logarithms of arguments and values.
 
     Args:
-        struck: simulation; it returns a result and the values to be adjusted.
+        struck: simulation; it returns its result, and the values to compare with the target values.
         given: first arguments of the simulation.
-        wanted: wanted values.
-        tolerance: largest relative deviation from the wanted values.
+        wanted: target values.
+        tolerance: largest accepted relative deviation from the target values.
 
     Raises:
-        ValueError: if the values are not reached in MOST_ROUNDS iterations.
+        ValueError: if the target values are not attained in MOST_ROUNDS iterations.
     """
     free = len(wanted)
     slopes = np.eye(len(wanted))

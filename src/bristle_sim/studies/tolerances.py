@@ -1,16 +1,17 @@
-"""Which tolerance matters: the inputs of a pass are spread about their values, and the study shows
-how the strike spreads with them.
+"""Which tolerance matters: the inputs of a pass vary about their values, and the study shows how
+much the strike varies.
 
 Every input is uniformly distributed within its half-width about its value, independently of the
 others. For small spreads the standard deviation is that of first-order error propagation, sqrt(sum
 (dy/dx_i sigma_i)^2).
 
 Sobol indices divide the variance of every output y among the inputs x_i. The first-order index
-V(E(y|x_i))/V(y) is the fraction of the variance that would vanish if x_i were known. The total
-index E(V(y|all but x_i))/V(y) is the fraction that would remain if all other inputs were known.
-Both follow by Saltelli's estimate from two samples A and B of a scrambled Sobol sequence, and from
-A with one column at a time replaced by B's (``scipy.stats.sobol_indices``). Several sequences with
-independent scramblings are used; the scatter of their estimates gives the confidence intervals.
+V(E(y|x_i))/V(y) is the fraction of the variance that would vanish if x_i alone were known. The
+total index E(V(y|all but x_i))/V(y) is the fraction that would remain if all other inputs were
+known. Both follow by Saltelli's estimate from two samples A and B of a scrambled Sobol sequence,
+and from A with one column at a time replaced by B's (``scipy.stats.sobol_indices``). Several
+sequences with independent scramblings are used; the scatter of their estimates gives the confidence
+intervals.
 """
 
 from __future__ import annotations

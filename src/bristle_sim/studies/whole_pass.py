@@ -1,7 +1,7 @@
 """The whole pass compared with the dissertation's chain of formulas: geometry of the cue, cue time,
 highest speed, oblique impact.
 
-By the formulas the bar releases the bristle at the retraction that its position permits. The
+In the formulas the bar releases the bristle at the retraction that the bar's position permits. The
 bristle then swings for a quarter period on its undamped belt, and strikes radially at its highest
 speed. A difference between simulation and formulas is a finding, not an error. Only the independent
 reference solution must agree within a tolerance.
@@ -200,7 +200,7 @@ def _why_not(tool: Tool, run: Trajectory) -> str:
 def measures_of(tool: Tool, run: Trajectory) -> Values:
     """Return the quantities of a pass, by name.
 
-    A quantity is None if its event did not happen. Extremes, and states at an event, are values at
+    A quantity is None if its event did not happen. Extremes and states at events are taken from the
     samples.
     """
     contact = run.first_contact("workpart")
@@ -269,9 +269,9 @@ def _formulas(tool: Tool) -> Values:
 
 
 def run_fields(run: Trajectory) -> dict[str, Any]:
-    """Return the fields of a report on a run.
+    """Return the fields with which a report describes a run.
 
-    They are its events, its cost, and the reason if it has not reached the requested accuracy.
+    They are its events, its cost, and, if it has not reached the requested accuracy, the reason.
     """
     return {
         "not_reached": run.accuracy_not_reached,
@@ -282,7 +282,7 @@ def run_fields(run: Trajectory) -> dict[str, Any]:
 
 
 def record_fields(struck: ChainStrike, **events: float) -> dict[str, Any]:
-    """Return the fields of a report on a single contact: outcome, phases, cost, and events.
+    """Return the fields with which a report describes a contact: outcome, phases, cost and events.
 
     ``events`` are times of events (s), by name.
     """
@@ -329,7 +329,7 @@ def require_rigid(tool: Tool) -> None:
 
 
 class GivenUpError(ValueError):
-    """Raised if the solver gave up a run, so that the further motion is unknown."""
+    """Raised if the solver gave up a run, so that the rest of the motion is unknown."""
 
 
 def require_result(run: Trajectory, settings: Settings) -> None:

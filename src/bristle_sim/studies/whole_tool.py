@@ -1,13 +1,14 @@
 """The whole tool: forces of all its bristles on the workpart, the drive and a load cell.
 
-The bristles do not touch each other, so that their motions are shifted copies of one. With N
-bristles the mean of a force is N omega/(2 pi) times its integral over the revolution that one
-bristle repeats. The drive's torque is the moment of the forces on the bristles. The energy
-dissipated in a revolution, divided by 2 pi, must give the same torque.
+The bristles do not touch each other, so their motions are copies of one motion, shifted in time.
+With N bristles the mean of a force is N omega/(2 pi) times the time integral of the force on one
+bristle over a revolution. The drive's torque is the moment of the forces on the bristles. The
+energy dissipated in a revolution, divided by 2 pi, must give the same torque.
 
-In sustained contact with an obstacle the bristle's angle follows from the hub's angle, whatever
-happened before. All revolutions after the first sustained contact are therefore the same, with or
-without damping of the belt. A bristle that rebounds from every obstacle need not repeat its motion.
+In sustained contact with an obstacle the bristle's angle depends on the hub's angle alone, and not
+on the motion before. All revolutions after the first sustained contact are therefore the same, with
+or without damping of the belt. A bristle that rebounds from every obstacle need not repeat its
+motion.
 """
 
 import dataclasses
