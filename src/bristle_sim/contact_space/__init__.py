@@ -1,17 +1,16 @@
-"""Impacts in any pymunk space: inverse mass at a contact, velocities that obey joints, and
-EnergeticContact.
+"""Impacts between the bodies of any pymunk space, with joints between them.
 
 The package needs NumPy, SciPy, pymunk and the impact law; it needs nothing of the bristle tool. Its
 modules in reading order:
 
 - ``joints``: velocity constraints J V = b of pymunk's joints.
-- ``projection``: the nearest velocities that obey joints.
+- ``projection``: the projection of velocities onto the closest ones that obey the joints.
 - ``impulse``: the inverse mass matrix at a contact, and the change of all velocities by an impulse.
 - ``collision_rule``: two collision types with their coefficients and law; the record of an impact.
 - ``touching``: the motion of bodies in the last step, and the contact points at the instant of
   touch.
-- ``rest_filter``: the division of a step's contacts: the engine resolves contacts at rest, an
-  impact law impacts.
+- ``rest_filter``: the division of a step's contacts into contacts at rest, which the engine
+  resolves, and impacts, which an impact law resolves.
 - ``sequence``: impacts resolved one after the other.
 - ``simultaneous``: all impacts of connected bodies resolved simultaneously, if there are too many
   for a sequence.

@@ -24,7 +24,7 @@ class LocatedImpact(Impact):
     """An impact with its time, location and bodies, as passed to ``report``.
 
     Attributes:
-        time: time of the touch; the EnergeticContact was created at time 0.
+        time: time of the touch, measured from the creation of the EnergeticContact.
         point: world coordinates of the contact.
         normal: unit vector towards the first body; the tangent is the normal turned clockwise.
         bodies: the dynamic body on which the impulse acts, and the body on which the opposite

@@ -38,15 +38,15 @@ class EnergeticContact:
         tangential_compliance: ratio of the normal to the tangential contact stiffness, as in
             ``energetic_impact``. Impacts that are resolved simultaneously ignore it.
         resting_speed: largest approach speed of a contact at rest. The engine resolves contacts at
-            rest, with ``friction`` and without restitution. The least value in effect is the speed
-            that gravity adds in two steps.
+            rest, with ``friction`` and without restitution. A smaller value than the speed that
+            gravity adds in two steps is replaced by that speed.
         report: function that is called with a
             :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for each impact that is
             faster than a contact at rest.
 
     Raises:
-        ValueError: for coefficients out of range, for anything but a space and collision types, and
-            if the space has an EnergeticContact already.
+        ValueError: for coefficients out of range, for arguments that are not a space and collision
+            types, and if the space has an EnergeticContact already.
 
     Call :meth:`step` instead of ``space.step``, always with the same duration. ``space.step`` alone
     applies no impact law. The impacts in a step are resolved one by one at the instants of touch,
@@ -58,16 +58,16 @@ class EnergeticContact:
     Threads may step different spaces at the same time; Chipmunk does not permit two threads in one
     space.
 
-    Just before an impact, the velocities are changed by the smallest amount after which they obey
-    the joints. This change and the impact only lose energy, but moving kinematic bodies, motors and
-    surface velocities do work. Between impacts the engine may gain energy: it solves joints
-    iteratively, and it corrects position errors by additional velocities. With ``error_bias`` and
-    ``collision_bias`` equal to 1 it does not correct positions.
+    Just before an impact, the velocities are changed as little as possible so that they obey the
+    joints. Neither this change nor the impact increases the energy, except by the work of moving
+    kinematic bodies, motors and surface velocities. Between impacts the engine may gain energy: it
+    solves joints iteratively, and it corrects position errors by additional velocities. With
+    ``error_bias`` and ``collision_bias`` equal to 1 it does not correct positions.
 
-    Every kind of joint transmits the impulse of an impact. A joint at a limit does so only if the
-    limit pushes. Springs, joints with a finite ``max_force`` and joints outside the space do not. A
-    user's ``pre_solve`` callback for the same two types is called before the contact is resolved, a
-    ``pre_solve`` callback for any type (None) after it.
+    Every kind of joint transmits the impulse of an impact. A joint at a limit transmits it only if
+    the limit pushes. Springs, joints with a finite ``max_force`` and joints outside the space
+    transmit no impulse. A user's ``pre_solve`` callback for the same two types is called before the
+    contact is resolved, a ``pre_solve`` callback for any type (None) after it.
     """
 
     def __init__(

@@ -65,12 +65,13 @@ class ContactSpace:
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit normal impulse
             (column 0) and per unit tangential impulse (column 1), shape (3 * len(bodies), 2).
-        limits: joints whose limits are reached: first those that act as rigid stops, then those
-            that are released and transmit no impulse.
-        partings: of each limit, shape (limits, 2), per unit normal and per unit tangential impulse
-            at the contact: the impulse of a rigid stop, and the velocity at which the bodies leave
-            a released limit. The limits' Jacobian rows are scaled by M^-1/2, with the mass matrix
-            M, and then to length 1.
+        limits: joints that are at a limit: first those whose limit acts as a rigid stop, then those
+            whose limit is released, so that it transmits no impulse.
+        partings: effect of a unit normal (column 0) and a unit tangential impulse (column 1) at the
+            contact, shape (limits, 2). The row of a rigid stop holds the impulse in the stop. The
+            row of a released limit holds the velocity at which the bodies separate from it. The
+            limits' Jacobian rows are scaled by M^-1/2, with the mass matrix M, and then to length
+            1.
         sizes: lengths of the contact's two Jacobian rows, scaled by M^-1/2, shape (2,). They give
             the scale of the rounding error of ``partings``.
     """
@@ -85,10 +86,10 @@ class ContactSpace:
     sizes: Array
 
     def wrong_limit(self, impulse: Vector) -> pymunk.Constraint | None:
-        """Return the joint whose limit pulls most in an impact, or is passed most.
+        """Return the joint whose limit would pull, or would be passed, by most in an impact.
 
-        ``impulse`` is the (normal, tangential) impulse at the contact. A real limit can only push,
-        and bodies cannot pass a released one. Return None if no limit is wrong by more than
+        ``impulse`` is the (normal, tangential) impulse at the contact. A rigid stop must not pull,
+        and the bodies must not pass a released limit. Return None if no limit does so by more than
         rounding error.
         """
         values = self.partings @ impulse
@@ -113,7 +114,7 @@ def contact_space(
 
     Args:
         ends: the body on which the impulse acts, and the body on which the opposite impulse acts.
-            With the first body alone, the obstacle is at rest.
+            If only the first body is given, the obstacle is at rest.
         point: world coordinates of the contact.
         normal: unit vector towards the first body; the tangent is the normal turned clockwise.
         connected: the bodies that joints connect to ``ends``, and these joints.

@@ -1,11 +1,11 @@
 """Velocity constraints of pymunk's joints.
 
-A joint obeys J V = b, and J V >= b at a limit. V holds (v_x, v_y) of each body's mass centre and
-its angular velocity. A joint transmits an impulse only if its force has no bound. In an
-instantaneous impact springs, joints with a finite ``max_force`` and joints outside a space transmit
-no impulse. A limit (of a slide, groove, rotary limit or ratchet joint) acts only while it is
-reached, and pushes in one direction. The signs are those of the Chipmunk sources (cpSlideJoint.c
-and its siblings).
+V holds the velocity (v_x, v_y) of each body's mass centre and the body's angular velocity. A joint
+constrains V by J V = b, with its Jacobian J and its prescribed rates b; at a limit the constraint
+is J V >= b. A joint transmits an impulse only if its force has no bound. In an instantaneous impact
+springs, joints with a finite ``max_force`` and joints outside a space transmit no impulse. A limit
+(of a slide, groove, rotary limit or ratchet joint) acts only while it is reached, and pushes in one
+direction. The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components
@@ -101,7 +101,7 @@ def world(body: pymunk.Body, place: tuple[float, float]) -> complex:
 def joined(ends: Iterable[pymunk.Body]) -> Connected:
     """Return all dynamic bodies that joints connect to ``ends``, and these joints.
 
-    The returned bodies include the dynamic bodies in ``ends``. Joints that transmit no impulse are
+    A body may be connected through other bodies. The returned bodies include the dynamic bodies in ``ends``. Joints that transmit no impulse are
     ignored.
     """
     waiting = list(ends)
@@ -190,9 +190,9 @@ def _reached(value: float, least: float, most: float, margin: float) -> list[tup
         margin: distance at which a limit counts as reached.
 
     Returns:
-        Pairs of a sense and whether it belongs to a limit: [(1.0, True)] at the upper limit,
-        [(-1.0, True)] at the lower limit, and [] between them. For equal limits the coordinate is
-        fixed, and the list is [(1.0, False)].
+        Pairs of the sense, and whether it belongs to a limit. The list is [(1.0, True)] at the
+        upper limit, [(-1.0, True)] at the lower limit, and [] between them. For equal limits the
+        coordinate is fixed, and the list is [(1.0, False)].
     """
     if least >= most:
         return [(1.0, False)]

@@ -1,10 +1,12 @@
-"""The nearest velocities of bodies that obey their joints.
+"""The projection of the bodies' velocities onto the closest velocities that obey the joints.
 
-After an engine step J V differs from b, because of the solver's tolerance and of the velocities
-that the solver adds to correct positions. With the mass matrix M and A = M^-1/2 J^T, the smallest
-change of U = M^1/2 V that restores J V = b is dU = -A (A^T A)^+ (J V - b), where ^+ denotes the
-pseudoinverse. With b = 0 (no motors) the energy falls by |dU|^2/2, as in a plastic impact of the
-joints. The row of a limit is included only if the bodies would otherwise move past the limit.
+The joints constrain the velocities V of the bodies by J V = b, with the Jacobian J and the
+prescribed rates b of the joints. After an engine step J V differs from b, because the solver has a
+tolerance and adds velocities to correct positions. Let M be the mass matrix, U = M^1/2 V and A =
+M^-1/2 J^T. The smallest change of U that restores J V = b is dU = -A (A^T A)^+ (J V - b), where ^+
+denotes the pseudoinverse. If no motor prescribes a rate (b = 0), the energy falls by |dU|^2/2, as
+in a plastic impact of the joints. J has the row of a limit only if the bodies would otherwise move
+past the limit.
 """
 
 from __future__ import annotations
@@ -54,7 +56,7 @@ def orthogonal_part(columns: Array, others: Array) -> Array:
 def joint_columns(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]
 ) -> tuple[Array, Array]:
-    """Return the Jacobian of joints as of ``scaled_columns``, and the diagonal of M^-1/2.
+    """Return the joints' Jacobian scaled as by ``scaled_columns``, and the diagonal of M^-1/2.
 
     A limit that is reached counts as a rigid joint.
     """
@@ -79,7 +81,8 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
     The size of a change is measured in the norm of the kinetic energy.
 
     Raises:
-        RuntimeError: if no set of limits is found each of which pushes, while no other is passed.
+        RuntimeError: if there is no set of limits in which each limit pushes and no other limit is
+            passed.
     """
     rows = [row for joint in joints for row in joint_rows(joint)]
     if not rows:
@@ -110,11 +113,11 @@ def _least_change(
 ) -> Array:
     """Return the shortest vector dU with rates + A^T dU = 0.
 
-    For a limit, rates + A^T dU must be >= 0 and the impulse must be >= 0 instead.
+    For a limit, both rates + A^T dU and the impulse must instead be >= 0.
 
     Args:
         columns: the matrix A; each column is the scaled row of a joint.
-        rates: present velocity errors J V - b of the joints, scaled likewise.
+        rates: present velocity errors J V - b of the joints, scaled like the rows.
         rounding: rounding error of each of ``rates``.
         limits: True for each column that belongs to a limit.
     """

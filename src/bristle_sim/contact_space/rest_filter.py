@@ -1,4 +1,4 @@
-"""The division of a step's contacts: the engine resolves contacts at rest, an impact law impacts.
+"""The division of a step's contacts into contacts at rest, which the engine resolves, and impacts.
 
 Contacts are read by direct calls of the engine, without pymunk's wrappers, for speed: a space at
 rest has many contacts.

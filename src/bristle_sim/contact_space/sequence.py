@@ -1,8 +1,8 @@
 """Impacts of one step, resolved one by one until no contact point approaches.
 
-The earliest touch is resolved first; of touches at the same instant, the fastest. An impact at one
-point can make other contact points of the same bodies, or of bodies joined to them, approach.
-Bodies connected by contacts and joints form a group; groups are independent.
+The earliest touch is resolved first. Of touches at the same instant, the fastest is resolved first.
+An impact at one point can make other contact points of the same bodies, or of bodies joined to
+them, approach. Bodies connected by contacts and joints form a group; groups are independent.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ class ImpactSequence:
         self.struck: dict[pymunk.Body, float] = {}
 
     def resolve(self) -> None:
-        """Resolve all approaching contacts, and the contacts that approach because of an impact."""
+        """Resolve all approaching contacts, also those that approach because of another impact."""
         groups = self._groups
         struck = [body for each in self._filter.impacts for body in each.bodies()]
         self._measure(groups.read(struck))

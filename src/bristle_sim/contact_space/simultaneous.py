@@ -13,10 +13,11 @@ gradient method with Nesterov's momentum, which is restarted where it leads uphi
 Candes 2015). The step is D^-1 with the diagonal matrix D_ii = sum_kj |B_ki B_kj|, for which D - W
 is positive semidefinite.
 
-Restitution adds e p_n and e p_t (Poisson), and a second plastic impact if contacts approach after
-it. As p.v <= -p.W p for plastic impulses, (1 + e) p loses energy for every e <= 1. Finally the sum
-p of all impulses is multiplied by min(1, -2 p.v/(p.W p)). The impulses remain in the friction
-cones, and no energy is gained even if the iteration has not converged.
+Restitution adds the impulses e p_n and e p_t (Poisson). If contacts approach afterwards, a second
+plastic impact follows. Because p.v <= -p.W p for plastic impulses, the impulses (1 + e) p do not
+increase the energy for any e <= 1. Finally the sum p of all impulses is multiplied by min(1, -2
+p.v/(p.W p)). The impulses remain in the friction cones, and no energy is gained even if the
+iteration has not converged.
 """
 
 from __future__ import annotations
@@ -56,8 +57,8 @@ def resolve_at_once(
     Args:
         points: all contact points of the bodies.
         connected: the bodies and the joints between them.
-        motion: velocity changes in the step. The impact takes place at the end of the step, while
-            the engine's velocities are those of half a step later.
+        motion: velocity changes in the step. The impact takes place at the end of the step, but the
+            engine's velocities are those half a step later.
         resting: approach speed up to which a point has no restitution.
 
     Returns:

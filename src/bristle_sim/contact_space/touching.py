@@ -66,8 +66,8 @@ class StepMotion:
 
     Attributes:
         duration: duration of the step.
-        gains: change of velocity and angular velocity of each body in the step. The velocities of
-            bodies without an entry did not change.
+        gains: change of velocity and angular velocity of each body in the step. The velocity of a
+            body without an entry does not change.
     """
 
     def __init__(self) -> None:
@@ -192,7 +192,7 @@ class Collision:
         arbiter: the engine's object for the contact. Outside callbacks the order of its two shapes
             may be reversed.
         pair: rule of the two collision types.
-        before: geometry of an impact before the engine's data of it were changed; None for a
+        before: geometry of an impact before ``RestFilter`` changed the engine's data; None for a
             contact at rest.
     """
 
@@ -237,12 +237,12 @@ class TouchingPoint:
             and no impact occurs.
         overlap: place, normal and depth of the shapes' overlap. The depth is that at the end of the
             step. Place and normal are those at the instant of touch once it has been located.
-        drift: mean speed over the step at which the depth of the overlap grew. With the depth it
-            gives the instant of touch.
+        drift: mean speed at which the depth of the overlap grew in the step. Depth and drift give
+            the instant of touch.
         time: time from the touch to the end of the step.
         approach: speed at which the two bodies approach each other along the normal at the instant
-            of touch. An impact starts from it. The forces of the step make it differ from
-            ``drift``.
+            of touch. It is the initial speed of an impact. It differs from ``drift`` because of the
+            forces in the step.
         speed: largest speed that either body has had at the point in this step. The rounding error
             of ``approach`` is proportional to it.
         impacts: number of impacts at the point so far.
@@ -322,7 +322,7 @@ class TouchingPoint:
     def _look(self) -> Overlap | None:
         """Return the overlap of the two shapes at present; None if they do not overlap.
 
-        Of several overlaps the one nearest to the last contact point is returned.
+        Of several overlaps, the one closest to the previous contact point is returned.
         """
         first, second = self.shapes
         first.cache_bb()

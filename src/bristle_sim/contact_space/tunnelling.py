@@ -32,8 +32,8 @@ class TunnellingWatch:
     """Warns once if a body passes through a shape with which it should collide.
 
     The speeds of all bodies are read in every step while a body is fast, and in the step after the
-    number of shapes has changed; otherwise in every sixteenth step. The least widths of the shapes
-    are computed when their number changes.
+    number of shapes has changed. Otherwise they are read in every sixteenth step. The least widths
+    of the shapes are computed when their number changes.
 
     Attributes:
         warned: whether the warning has been given. Speeds are not read after the warning.

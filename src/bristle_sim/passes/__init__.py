@@ -1,8 +1,8 @@
-"""Many passes of straight rigid bristles at once, by the equations of motion alone, in NumPy
+"""Many passes of straight rigid bristles at once, computed from the equations of motion in NumPy
 arrays.
 
-The passes under way form three groups: bristles in flight, bristles that touch the bar, and bristles
-that lie on it. The largest group advances next, and a pass changes its group at a touch and at a
+The passes form three groups: bristles in flight, bristles that touch the bar, and bristles that lie
+on it. The largest group is always advanced next. A pass changes its group at a touch and at a
 release.
 
 Modules in reading order: ``ensemble`` (the public function), ``request`` (the tools), ``state``

@@ -1,14 +1,15 @@
 """Contact of straight wires with the bar, a fixed circle: gap, velocities, and the motion of a wire
 that lies on it.
 
-All lengths are divided by the bristle's length: the hub's radius rho, and the distance S of the bar's
-centre from the hub's axis. The hub angle from the bar's direction is chi = psi - psi_b. Vectors are
-complex numbers, whose real axis points from the hub's axis to the bar's centre. The vector from the
-root to the bar's centre is w = S - rho exp(i chi) = D exp(i delta).
+All lengths are divided by the bristle's length. The hub's radius is rho, and the bar's centre is at
+the distance S from the hub's axis. The hub angle from the bar's direction is chi = psi - psi_b.
+Vectors are complex numbers, whose real axis points from the hub's axis to the bar's centre. The
+vector from the root to the bar's centre is w = S - rho exp(i chi) = D exp(i delta).
 
-A wire that lies on the bar keeps its centre line, or its end, at the distance R from the bar's
-centre. The angle between the wire and the vector to the bar's centre is eta. The wire's absolute
-angle from the bar's direction is delta - s eta, with s = 1 for a wire held back, and
+If a wire lies on the bar, its centre line or its end is at the distance R, the sum of the radii of
+bar and wire, from the bar's centre. The angle between the wire and the vector to the bar's centre
+is eta. The wire's absolute angle from the bar's direction is delta - s eta, with s = 1 for a wire
+that the bar holds back, and s = -1 otherwise. The angle eta follows from
 
     sin eta = R/D on its flank,    cos eta = (D^2 + 1 - R^2)/(2 D) at its end.
 """
@@ -70,7 +71,8 @@ class Closest(NamedTuple):
     Attributes:
         gap: gap between the surfaces of wire and bar.
         rate: derivative of the gap with respect to the hub angle.
-        along: distance from the root to the nearest point of the wire's centre line.
+        along: distance from the root to the point of the wire's centre line that is closest to the
+            bar.
         offset: vector from this point to the bar's centre.
         root: vector from the hub's axis to the root.
         wire: unit vector along the wire.
@@ -133,8 +135,9 @@ class Lying(NamedTuple):
         angle, rate, acceleration: relative angle alpha (rad), and its first and second derivatives
             with respect to the hub angle.
         pressure: moment of the contact force about the root, divided by the wire's moment of
-            inertia; positive if the wire presses on the bar. It equals the acceleration towards the
-            bar that the wire would have without the bar, minus the actual acceleration.
+            inertia; positive if the wire presses on the bar. It equals the angular acceleration
+            towards the bar that the wire would have without the bar, minus its actual angular
+            acceleration.
     """
 
     angle: Array
@@ -204,8 +207,8 @@ def _end_tilt(passes: Passes, distance: Array) -> Tilt:
 def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen:
     """Return whether friction locks each wire on the bar.
 
-    A wire is locked if no normal force on it, together with the friction force, rotates the wire
-    away from the bar.
+    A wire is locked if the moment of the friction force about the root is at least as large as the
+    opposite moment of the normal force.
     """
     normal, tangential, _, slip, _ = levers(passes, hub_angle, angle, rate)
     rub = passes.bar_friction * np.sign(slip) * tangential

@@ -43,8 +43,9 @@ def root(
     evaluations is therefore bounded.
 
     Args:
-        function: function of places in some brackets, and of the indices of these brackets, that
-            returns its values there, and its derivatives or None.
+        function: function whose roots are sought. Its arguments are one place in each of some
+            brackets, and the indices of these brackets. It returns its values and its derivatives
+            at the places; None stands for unknown derivatives.
         ends: lower and upper ends of the brackets.
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.

@@ -1,4 +1,4 @@
-"""Passes of many tools at once, computed in blocks to limit the memory of the arrays."""
+"""Passes of many tools at once, computed in blocks to limit the size of the arrays in memory."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def ensemble(
     with the wire's mass m, length L and moment of inertia I about its root, the belt's stiffness
     k_T and damping c, the hub's radius r_h, angular velocity omega and angle psi, and gravity g.
     While the wire lies on the bar, its angle follows from the geometry. It leaves the bar where the
-    normal force falls to zero. Neither a physics engine nor a compiler is used.
+    normal force falls to zero. The method needs neither a physics engine nor a compiler.
 
     >>> import bristle_sim as bs
     >>> many = bs.ensemble(hub_speed=["2000 rpm", "2500 rpm", "3000 rpm"])
@@ -98,8 +98,9 @@ def ensemble(
             must broadcast against each other.
 
     Returns:
-        The passes, in arrays of the broadcast shape. A tool that is out of range, or that this
-        method cannot compute, has the outcome *refused*, a reason, and NaN in place of numbers.
+        The passes, in arrays of the broadcast shape. A tool whose values are out of range, or whose
+        pass this method cannot compute, has the outcome *refused*, a reason, and NaN in place of
+        numbers.
 
     Raises:
         ValueError: for an unknown key, a text that cannot be read as a value of its key, or shapes

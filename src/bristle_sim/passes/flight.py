@@ -1,6 +1,4 @@
-"""One step of the hub for all bristles in flight; each bristle stops at its first touch within the
-step.
-"""
+"""One step of all bristles in flight; a bristle's step ends at its first touch."""
 
 from __future__ import annotations
 
@@ -114,10 +112,10 @@ def advance(
         motion: motion of the wires.
         samples: motion at the ends of the segments.
         near: indices of the wires that may touch the bar.
-        place: rotation of the hub without a touch, rad.
+        place: rotation of the hub if there is no touch, rad.
         code: code of each pass's state after this rotation; a touch or a fold replaces it.
-        accuracy: requested accuracy. An obstacle passed at a smaller distance makes the number of
-            touches uncertain.
+        accuracy: requested accuracy. If a wire passes an obstacle at a smaller distance, the number
+            of touches is uncertain.
     """
     turns, angles, _ = samples
     for obstacle, chosen in ((WORKPART, low(passes, turns[-1])), (BAR, near)):
@@ -161,8 +159,8 @@ def low(passes: Passes, turn: Array) -> Chosen:
     """Return the indices of the passes whose wire can reach the workpart while the hub rotates by
     ``turn`` (rad).
 
-    These are the passes in which the tip of a vertical wire would touch the workpart when the root
-    is lowest.
+    In these passes the tip would touch the workpart if the wire were vertical at the lowest
+    position of the root.
     """
     half = 0.5 * turn
     aside = np.abs(half_turn(passes.hub_angle + half)) - half
@@ -198,8 +196,8 @@ def first_closing(
     each wire (rad), infinite without a touch.
 
     A gap closes in a segment of the step if it is negative or zero at the segment's end, or if its
-    minimum within the segment is negative. A minimum between zero and the accuracy makes the number
-    of touches uncertain, and sets the pass's error to 1.
+    minimum within the segment is negative. If the minimum is between zero and the accuracy, the
+    number of touches is uncertain, and the pass's error is set to 1.
 
     Args:
         obstacle: code of the obstacle.
@@ -252,8 +250,8 @@ def _closing(gap_at: Function, number: Chosen, segment: Array, leaves: Chosen) -
     """Return the rotation of the hub (rad) at which each gap closes within its segment.
 
     Newton's method starts from inverse cubic interpolation of the gap and its derivative at both
-    ends. The gap of a wire that leaves the obstacle is zero at the segment's start. The method then
-    finds the root of gap/rotation, which excludes this zero.
+    ends. If the wire leaves the obstacle, its gap is also zero at the segment's start. Newton's
+    method then finds the root of gap/rotation, which is not zero there.
 
     Args:
         gap_at: function that returns gaps and derivatives.
@@ -305,7 +303,7 @@ def _note_lowest(passes: Passes, motion: Function, samples: Samples, place: Arra
     """Update the smallest relative angle of each pass by its first minimum within a rotation.
 
     Of the minima of the angle, only the first that may be smaller than all earlier angles is
-    located. Such a minimum is assumed to be larger than a + 2 a' h, where h is the length of its
+    located. A minimum is assumed to be larger than a + 2 a' h, where h is the length of its
     segment, and a and a' are the angle and its derivative at the segment's start.
     """
     turn, angle, rate = samples

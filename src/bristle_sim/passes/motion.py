@@ -1,7 +1,7 @@
 """Flight of straight rigid bristles: Taylor series of their angles, in arrays.
 
-The hub angle psi is the time, and alpha is the wire's angle from the radial direction. The equation
-of motion is
+The hub angle psi serves as the time, and alpha is the wire's angle from the radial direction. The
+equation of motion is
 
   alpha'' = -d alpha' - k alpha - b sin alpha - g sin(psi + alpha),
 

@@ -159,12 +159,11 @@ def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.obj
 def _refusals(
     request: Request, values: Values, passes: Passes
 ) -> Iterator[tuple[Chosen, str, str]]:
-    """Yield masks of refused passes, each with the key whose value is refused, and what this value
-    must be.
+    """Yield masks of refused passes, each with the key of the refused value and its requirement.
 
-    Values are refused outside the range of their key or the scope of this method, and where
-    dimensions contradict each other, the bristle overlaps an obstacle at the start, or the motion
-    needs too many steps.
+    A value is refused if it is outside the range of its key or the scope of this method, or if
+    dimensions contradict each other. A pass is also refused if the bristle overlaps an obstacle at
+    the start, or if the motion needs too many steps.
     """
     for key, declared in KEYS.items():
         if key in request.given and isinstance(declared, Range):

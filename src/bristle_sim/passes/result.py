@@ -41,7 +41,9 @@ DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported onl
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ensemble(EqualByValue):
-    """The results of many passes, in arrays of one shape; NaN where a pass lacks a quantity.
+    """The results of many passes, in arrays of one shape.
+
+    A quantity that a pass does not have is NaN.
 
     Attributes:
         keys: values of the tool's keys that were given, in SI units. Their shapes broadcast to the
@@ -63,10 +65,11 @@ class Ensemble(EqualByValue):
         tangential_compressive_work: work of the tangential force up to the end of compression, J.
         entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
         final_bristle_rate: angular velocity of the wire after the strike, rad/s.
-        error_estimate: one estimate of two errors at the strike: that of the wire's angle
-            (rad), and that of its relative angular velocity divided by omega + sqrt(k_T/I). The
-            estimate includes the factor by which the impact magnifies an error. It is 1 if an error
-            as small as the accuracy could alter the number of touches or the outcome.
+        error_estimate: estimate that holds for two errors at the strike. The first is that of the
+            wire's angle (rad), the second that of its relative angular velocity divided by omega +
+            sqrt(k_T/I). The estimate includes the factor by which the impact magnifies an error. It
+            is 1 if an error as small as the accuracy could change the number of touches or the
+            outcome.
         outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``,
             ``does not strike`` or ``refused``.
         reason: why a pass was refused, or why it has no strike, no release or no valid error

@@ -1,7 +1,7 @@
 """Passes in dimensionless numbers.
 
 Lengths are divided by the bristle's length, and moments by the bristle's moment of inertia. The hub
-angle is the time.
+angle serves as the time.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ class Passes:
         rate_scale: scale of the angular velocities, 1 + sqrt(k).
         bar_distance: distance of the bar's centre from the hub's axis, S/L.
         bar_angle: hub angle at which the root is nearest to the bar's centre, rad.
-        reach: distance of the wire's centre line from the bar's centre when they touch, (r_b +
-            d/2)/L, with the bar's radius r_b and the wire's diameter d.
+        reach: distance of the wire's centre line from the bar's centre in contact, (r_b + d/2)/L,
+            with the bar's radius r_b and the wire's diameter d.
         wire_radius: radius of the wire, d/(2 L).
         bar_friction, bar_restitution: coefficients of friction and of restitution at the bar.
         flank: largest hub angle from ``bar_angle`` at which the bar can touch the wire's flank, rad;
@@ -59,12 +59,13 @@ class Passes:
         hub_angle, angle, rate: present hub angle psi, relative angle alpha and angular velocity
             d(alpha)/d(psi).
         touches: number of touches of the bar so far.
-        side: 1 for a wire that touches the bar from behind, so that the bar holds it back, and -1
-            for a wire ahead of the bar.
+        side: 1 for a wire behind the bar, which holds the wire back; -1 for a wire ahead of the
+            bar.
         release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
             NaN before the first contact.
-        hop: rotation of the hub from the last rebound to the next touch of the bar if the gap's
-            second derivative stayed constant, rad; infinite if the wire would not touch it again.
+        hop: rotation of the hub from the last rebound to the next touch of the bar, rad, if the
+            gap's second derivative is constant. It is infinite if the wire would not touch the bar
+            again.
         lowest: smallest relative angle so far, rad.
         error: estimated error of the relative angle (rad) and of the relative angular velocity
             divided by ``rate_scale``.

@@ -1,4 +1,4 @@
-"""A touch of the bar: the impacts of many wires, and the motion of wires on the bar up to release.
+"""Impacts of many wires on the bar, and their motion on the bar up to the release.
 
 Geometry gives the motion of a wire that lies on the bar. It leaves the bar where the contact force
 falls to zero.

@@ -2,9 +2,10 @@
 velocities.
 
 The normal n points from the obstacle to the wire; the tangent is t = -i n. A piece is a straight
-part of a link's centre line. A contact on the flank of a piece has a normal that turns with its
-link. A contact on a corner (between two pieces, or at the wire's end) has a normal that turns as
-the corner slides around the bar. The velocities of the wire's surface at the contact obey
+part of a link's centre line. On the flank of a piece the normal turns with the link. On a corner
+(between two pieces, or at the wire's end) the normal turns as the corner slides around the bar.
+With the angles theta of the links, the normal velocity v_n and the tangential velocity v_t of the
+wire's surface at the contact obey
 
   v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,    v_t = J_t theta' + drift,    v_t' =
   J_t theta'' + bias_t.
@@ -49,7 +50,7 @@ class Touch(NamedTuple):
         rows: Jacobian of the contact velocity: its derivatives with respect to the angular
             velocities of the links (m), shape (2, links).
         velocity: velocity of the wire's surface at the contact (m/s), shape (2,).
-        bias: acceleration that the contact has without angular accelerations of the links (m/s^2),
+        bias: acceleration of the contact if the links' angular accelerations are zero (m/s^2),
             shape (2,).
         along: coordinate x of the contact, along a flat surface, m.
     """
@@ -84,7 +85,7 @@ def touch_of(
         point: position of the contact point, m.
         spin: angular velocity of the normal, rad/s.
         moving: velocity of the contact point, m/s. It differs from the velocity of the wire's
-            material there, because the contact point slides along the wire.
+            material at this point, because the contact point moves along the wire.
     """
     axes = np.conj([normal, -1j * normal])
     arm = point - motion.joint[link]
@@ -117,7 +118,7 @@ class Bar:
     compliance: float = 0.0
 
     def feet(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the coordinate along each piece of the bar's centre, m, shape (..., pieces).
+        """Return the coordinate of the bar's centre along each piece (m), shape (..., pieces).
 
         The coordinate is the distance from the start of the piece to the foot of the perpendicular
         from the bar's centre. The foot may lie outside the piece.
@@ -234,7 +235,8 @@ class WirePairs:
 
         Returns:
             distance: the shortest distance, m.
-            end: which of the two wires has its end there, 0 for the first or 1 for the second.
+            end: wire whose end is the end point of this distance, 0 for the first or 1 for the
+                second.
             places: distance of each point from the root of its wire, m.
         """
         length = chain.length
@@ -253,7 +255,7 @@ Obstacles = Mapping[str, Bar | Workpart | WirePairs]
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
-    """Return the bar and the workpart of a tool, as far as it has them, by name."""
+    """Return the obstacles that a tool has, its bar and its workpart, by name."""
     found: dict[str, Bar | Workpart] = {}
     if (bar := tool.bar) is not None:
         surface = Surface(friction=bar.friction, restitution=bar.restitution)

@@ -1,9 +1,10 @@
 """The times in an integration step at which a function changes its sign.
 
-Short excursions beyond zero are not missed. On a short interval a smooth function equals its
-Chebyshev series up to rounding error, and a companion matrix gives all roots of the series at once.
-The roots only separate intervals of one sign; the crossing itself is bracketed and located on the
-function. If 17 samples do not resolve the function (a kink, a jump), the interval is halved.
+The search also finds two changes of sign in quick succession. On a short interval a smooth function
+equals its Chebyshev series up to rounding error, and a companion matrix gives all roots of the
+series at once. The roots of the series only divide the interval into intervals of one sign. The
+root of the function itself is then bracketed and located. If 17 samples do not resolve the function
+(a kink, a jump), the interval is halved.
 """
 
 from __future__ import annotations

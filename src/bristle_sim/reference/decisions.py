@@ -67,8 +67,9 @@ def decide(
     Args:
         system: the system.
         state: the state at the event.
-        new: point of a contact that begins in this state.
-        stopped: contact in which the foot of the tangential spring has just stopped.
+        new: point of a contact that begins in this state; None if no contact begins.
+        stopped: contact in which the foot of the tangential spring has just stopped; None if there
+            is none.
 
     Returns:
         The state after the impacts.
@@ -147,8 +148,8 @@ def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None
 
     At the first contact of any wire the stiffness is computed from the requested duration of that
     contact. All later contacts have the same stiffness. For a wire of one link the impact law
-    relates duration and stiffness. For a wire of several links the computation neglects friction
-    and takes the hinges as rigid.
+    relates duration and stiffness. For a wire of several links friction is neglected, and the
+    hinges are treated as rigid.
     """
     system = instant.system
     chain = system.chain
@@ -187,8 +188,9 @@ def _impact(
 def _set_foot(each: Compliant, touch: Touch, rounding: float) -> None:
     """Determine whether the foot of a tangential spring sticks, or in which sense it slides.
 
-    The foot is the end of the spring at the obstacle. If it sticks, it is moved until the spring's
-    force lies within the friction cone. ``rounding`` is the rounding error of a slip velocity, m/s.
+    The foot is the end of the spring at the obstacle. If it sticks, it is moved so that the
+    spring's force does not exceed the friction limit. ``rounding`` is the rounding error of a slip
+    velocity, m/s.
     """
     mu = each.friction
     most = mu * max(each.force(touch.gap), 0.0)
@@ -232,8 +234,8 @@ def end_compression(system: System, each: Compliant, state: State) -> State:
 def change_phase(system: System, each: Compliant, deepest: float | None, state: State) -> State:
     """Change the normal spring of a contact from loading to unloading or back.
 
-    The tangential force stays the same unless it would lie outside the new friction cone.
-    ``deepest`` is the penetration (m) from which the spring unloads; None if it is loaded.
+    The tangential force stays the same unless it exceeds the new friction limit. ``deepest`` is the
+    penetration (m) from which the spring unloads; None if it is loaded.
     """
     _hold_foot(system, each, state)
     each.law = replace(each.law, deepest=deepest)
@@ -251,7 +253,7 @@ def stop_foot(system: System, each: Compliant, state: State) -> State:
 
 
 def _hold_foot(system: System, each: Compliant, state: State) -> None:
-    """Move the foot of a sliding tangential spring to where the spring has the present force."""
+    """Move the sliding foot of a tangential spring so that the spring has its present force."""
     touch = system.at(state).touch(each.point)
     pull = each.rub(touch)
     if each.slip and pull is not None:
@@ -262,7 +264,8 @@ def _hold_foot(system: System, each: Compliant, state: State) -> None:
 def end_compliant_contact(system: System, each: Compliant, state: State) -> State:
     """Record a compliant contact whose force has fallen to zero, and remove it from the system.
 
-    The gap at this instant is stored as the dent that the contact leaves in the workpart.
+    The gap at this instant is stored as the dent, the indentation that the contact leaves in the
+    workpart.
     """
     record(system, state, [each], "rebound" if each.law.restitution else "no rebound")
     system.sustained.remove(each)
@@ -304,10 +307,10 @@ def _hit(system: System, state: State, point: Point) -> State:
 
 
 def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point]) -> State:
-    """Set the normal velocity to zero at contacts where the wire would rebound very low.
+    """Set the normal velocity to zero at contacts where the wire would hardly rebound.
 
-    Without this a wire that comes to rest would rebound infinitely often. The limit of the height
-    is ``LOWEST_REBOUND``.
+    Otherwise a wire that comes to rest would rebound infinitely often. ``LOWEST_REBOUND`` is the
+    height of the lowest rebound that is simulated.
     """
     if not points:
         return state

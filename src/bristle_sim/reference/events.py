@@ -57,9 +57,9 @@ class Event(NamedTuple):
         direction: sign of the event function after the event.
         resolution: magnitude below which a value of the event function is rounding error.
         follow: function that applies the consequence of the event to the state.
-        extreme: whether the event function may have either sign at the start of the interval. For
-            any other event, a function that starts with its sign after the event means that the
-            event occurs at once.
+        extreme: whether the event function may have either sign at the start of the interval. Any
+            other event occurs at once if the event function already has the sign ``direction`` at
+            the start.
     """
 
     value: Value
@@ -103,8 +103,8 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
     """Return the events of a wire's motion relative to the hub.
 
     They are the largest retraction, the highest relative angular velocity, and a retraction of 90
-    degrees. The highest angular velocity is an event only of a wire of one link: in a chain,
-    vibration of the hinges gives the first link several maxima.
+    degrees. The highest angular velocity is an event only for a wire of one link. In a chain the
+    angular velocity of the first link has several maxima, because the hinges vibrate.
     """
     link = own.links.start
     rounding = system.rate_rounding(instant.state)
@@ -122,7 +122,7 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
         return (0.5 * math.pi) ** 2 - own.relative(at.state) ** 2
 
     def extreme(name: str, state: State) -> State:
-        """Record an extreme relative to the hub, but no highest speed that is rounding error."""
+        """Record an extreme relative to the hub, except a highest speed that is rounding error."""
         if name == LARGEST_RETRACTION or rate(system.at(state)) > IDLE * rounding:
             own.event(name, state.time)
             system.check_stop(state)
@@ -145,7 +145,10 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
 
 
 def _touch_events(system: System, instant: Instant) -> list[Event]:
-    """Return the events at which a wire touches an obstacle or rises out of a contact's dent."""
+    """Return the events at which a wire touches an obstacle or rises out of a dent.
+
+    A dent is the indentation that an earlier compliant contact has left in the workpart.
+    """
     inside = INSIDE * system.size
     found = []
 
@@ -154,7 +157,7 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
         return float(at.gaps(name)[piece])
 
     def leave_dent(piece: int, state: State) -> State:
-        """Note that a corner of a wire has risen out of its dent, up to the original surface."""
+        """Discard the dent, because the corner of a wire has risen to the original surface."""
         del system.dents[piece]
         return state
 
@@ -172,7 +175,7 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Return whether a straight piece already touches an obstacle, so that no new touch is sought.
+    """Return whether a straight piece already touches an obstacle, so that it cannot touch it anew.
 
     A contact of the bar at the end of the preceding piece counts as a contact of this piece too.
     """
@@ -201,7 +204,7 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         return float(at.balance.pushes[number, 0]) * normal_response(at.mass, touch, ratio)
 
     def freedom(at: Instant) -> float:
-        """Return the normal acceleration with friction over that without it, for the same force."""
+        """Return the ratio of the normal accelerations per unit force with and without friction."""
         touch = at.contacts[number].touch
         with_friction = normal_response(at.mass, touch, acting.ratio)
         return with_friction / normal_response(at.mass, touch, 0.0)
@@ -271,7 +274,7 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
     slip = each.slip
 
     def sliding(at: Instant) -> float:
-        """Return the slip velocity in the sense of ``slip``, m/s: that of the foot, if there is one."""
+        """Return the slip velocity in the sense of ``slip`` (m/s), of the foot if there is one."""
         touch = at.contacts[number].touch
         if isinstance(each, Compliant):
             return each.foot(touch, slip)

@@ -1,12 +1,14 @@
-"""Sustained contacts on a wire of links, their forces, and the choice of the contacts that act.
+"""Sustained contacts on wires of links, their forces, and the choice of those that stay closed.
 
-A sustained contact c keeps its gap closed with a force N_c >= 0. It slips with friction -mu
-sign(v_t) N_c, or sticks with a force T_c inside the friction cone. Accelerations and forces solve
+A sustained contact c keeps its gap closed with a normal force N_c >= 0. It slips with the friction
+force -mu sign(v_t) N_c, or sticks with a tangential force abs(T_c) <= mu N_c. With the mass matrix
+M and the rows J_n, J_t and biases of ``contacts``, accelerations and forces solve
 
     M theta'' - sum_c (J_n + f_c J_t)^T N_c - sum_stick J_t^T T_c = forces,    J_n theta'' = -bias_n,    J_t theta'' = -bias_t,
 
 with f_c = -mu sign(v_t) in slip and 0 in stick. Every contact either pushes or opens. This is a
-complementarity problem; contacts are few, so all combinations of stick, slip and opening are tried.
+complementarity problem. Since contacts are few, all combinations of stick, slip and opening are
+tried.
 """
 
 from __future__ import annotations
@@ -126,8 +128,8 @@ class Compliant(Sustained):
 
     Attributes:
         law: force law of the springs in the present phase.
-        level: gap at which the contact began, m; penetration is measured from it. It is negative if
-            the contact began in the dent of an earlier contact.
+        level: gap at which the contact began, m. Penetration is measured from this gap. The gap is
+            negative if the contact began in the dent that an earlier contact has left.
         anchor: coordinate of the tangential spring's foot along the surface while it sticks, m. The
             foot is the end of the spring at the workpart.
     """
@@ -268,10 +270,10 @@ def _obeys_coulomb(
 ) -> bool:
     """Return whether the force and the motion of a contact obey Coulomb's law.
 
-    A rigid contact must push, and friction must not lock it. In stick the force must lie within the
-    friction cone. A contact that begins to slip must accelerate in the sense of its slip. A contact
-    at rest whose friction force is not an unknown (``Acting.sticks``) must not accelerate
-    tangentially.
+    A rigid contact must push, and friction must not lock it. In stick the tangential force must not
+    exceed the friction limit. A contact that begins to slip must accelerate in the sense of its
+    slip. A contact at rest whose friction force is not an unknown (``Acting.sticks``) must not
+    accelerate tangentially.
 
     Args:
         mass: mass matrix of the links, kg m^2.

@@ -142,7 +142,7 @@ class Log:
     normal and of the tangential forces (N), shape (wires, 2).
 
     Args:
-        wires: the links of each wire, as a chain of its own.
+        wires: the links of each wire, as a separate chain.
         interval: time between samples, s.
         stop_after: name of the event that ends the run, or None.
         pairs: indices of the two wires of each pair that can touch.

@@ -1,10 +1,10 @@
-"""Equations of motion of wires of rigid links on a hub of constant speed, in the links' absolute
-angles.
+"""Equations of motion of wires of rigid links on a hub of constant speed.
 
-Points of the plane are complex numbers x + iy. A vector that is fixed on a link is given for the
-unstressed wire at angle 0, whose shank points along -i; it turns with e^{i theta}. The root is at
-z_0(t). With the vector u_k from the joint of link k to the next joint and the vector g_k to its
-centre of mass, the centre of link i is at
+Points of the plane are complex numbers x + iy. The unknowns are the links' absolute angles theta. A
+vector that is fixed on a link is given for the unstressed wire at angle 0, whose shank points along
+-i. At the angle theta this vector is multiplied by e^{i theta}. The root is at z_0(t). With the
+vector u_k from the joint of link k to the next joint and the vector g_k to its centre of mass, the
+centre of link i is at
 
     c_i = z_0(t) + sum_k a_ik e^{i theta_k},    a_ik = u_k for k < i, g_i for k = i, 0 otherwise,
 
@@ -14,10 +14,10 @@ a_ij,
     sum_k [Re(conj(E_j) W_jk E_k) + J_j delta_jk] theta_k'' =
         sum_k Im(conj(E_j) W_jk E_k) theta_k'^2 - Re(conj(i B_j E_j) (z_0'' + i g)) + springs,    E_k = e^{i theta_k}.
 
-m_i is the mass of link i and J_j the inertia of link j about its centre. The links are equally long
-along the wire; a link with the wire's knee is bent. Belt and hinges are torsion springs and
-dampers; all are relaxed when every link has the hub's angle. Wire k of a row has its own root at
-the hub angle psi_k + omega t. Only contacts couple the links of two wires.
+m_i is the mass of link i and J_j the inertia of link j about its centre. The links have equal
+lengths along the wire; the link with the wire's knee is bent. Belt and hinges are torsion springs
+and dampers. They are all unstressed if every link has the hub's angle. Wire k of a row has its own
+root at the hub angle psi_k + omega t. Only contacts couple the links of two wires.
 """
 
 from __future__ import annotations
@@ -73,8 +73,8 @@ class Kinematics(NamedTuple):
         rates: absolute angular velocity of each link, rad/s.
         joint: position of each link's first joint, m.
         velocity: velocity of each first joint, m/s.
-        acceleration: acceleration that each first joint has without angular accelerations of the
-            links, m/s^2.
+        acceleration: acceleration of each first joint if the links' angular accelerations are zero,
+            m/s^2.
     """
 
     turn: Complexes

@@ -1,12 +1,12 @@
-"""The pass of wires of links: intervals of smooth motion with sustained contacts, and the events
-that end them.
+"""The main loop of a run: intervals of smooth motion with sustained contacts, and the events that
+end them.
 
 SciPy's DOP853 integrates an interval; impulses and works of sustained contacts are further
 unknowns. After every step the state is projected onto the closed gaps (Hairer, Lubich and Wanner,
 Geometric Numerical Integration, IV.4). The interval ends at the first event: the wire touches an
 obstacle, the force of a contact falls to zero, a contact passes a corner of the wire, or slip stops
-or begins. After an event impacts are resolved, the fastest approach first. Then it is determined
-which of the closed contacts stay closed.
+or begins. After an event the impacts are resolved, the one with the fastest approach first. Then
+the program determines which of the closed contacts stay closed.
 """
 
 from __future__ import annotations
@@ -168,9 +168,10 @@ class Run:
         """Return an integrator that starts at the present state.
 
         The absolute tolerance of each unknown is the relative tolerance times a bound of that
-        unknown. On the springs of a contact, an error of an angle becomes an error of the angular
-        velocity by multiplication with the angular frequency on these springs. The tolerances of
-        angles are reduced where this product would exceed the tolerance of the angular velocity.
+        unknown. During a contact with springs, an error of an angle causes an error of the angular
+        velocity. It is the error of the angle times the angular frequency of the motion on the
+        springs. If this product would exceed the tolerance of the angular velocity, the tolerance
+        of the angle is reduced.
         """
         chain = self.system.chain
         size = self.system.size

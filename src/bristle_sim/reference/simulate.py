@@ -72,20 +72,21 @@ def simulate_reference(
 ) -> Trajectory:
     """Simulate one pass of a bristle with SciPy's integrator, independently of the engine.
 
-    In a pass the bristle flies, taps the bar and slides along it, is released, strikes the workpart
-    and rebounds. The equations of motion are those of the module ``mechanics``. For a straight
-    rigid bristle in flight, with the hub angle psi and the angle alpha from the radial direction,
-    they are
+    In a pass the bristle touches the bar and slides along it, is released, strikes the workpart and
+    rebounds. The equations of motion are those of the module ``mechanics``. For a straight rigid
+    bristle in flight, with the hub angle psi and the angle alpha from the radial direction, they
+    are
 
         I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha = -m g (L/2) sin(psi +
         alpha).
 
-    I, m and L are the bristle's inertia about its root, its mass and its length; c and k the belt's
-    damping and stiffness; r_h and omega the hub's radius and speed; g is gravity.
+    I, m and L are the bristle's moment of inertia about its root, its mass and its length. c and k
+    are the belt's damping and stiffness, r_h and omega the hub's radius and speed, and g is
+    gravity.
 
     A touch is an impact by the energetic law. The force of a sustained contact keeps the gap closed
-    and can only push. A rebound lower than 1e-10 of hub radius plus length is neglected, so that
-    repeated taps end in a sustained contact.
+    and can only push. A rebound lower than 1e-10 times the sum of hub radius and bristle length is
+    neglected, so that repeated impacts end in a sustained contact.
 
     Args:
         tool: the tool; its bar and workpart may be None.
@@ -154,8 +155,8 @@ def simulate_row_reference(
         hub_turn: angle that sets the duration of the run, rad. At the end of the run the root of
             the last bristle is this angle beyond the hub angle at which the foremost bristle
             started.
-        requested: further arguments, as of ``simulate_reference``. ``start_hub_angle`` is that of
-            the foremost bristle. The run stops when the event ``stop_after`` has occurred on every
+        requested: further arguments of ``simulate_reference``. ``start_hub_angle`` is that of the
+            foremost bristle. The run stops when the event ``stop_after`` has occurred on every
             bristle.
 
     Returns:
@@ -243,9 +244,9 @@ def _span(tool: Tool, request: Request, row: float) -> tuple[float, float]:
 
 
 class TooStiffError(ValueError):
-    """Raised when the wire or its contact is too stiff for the explicit integrator.
+    """Raised if the wire or its contact is too stiff for the explicit integrator.
 
-    A stiff contact would take more evaluations of the equations of motion than are permitted.
+    It would then require more evaluations of the equations of motion than are permitted.
     """
 
 

@@ -1,6 +1,4 @@
-"""Wires among their obstacles: sustained contacts, and the contact kinematics, forces and
-accelerations in a state.
-"""
+"""Wires with their obstacles and sustained contacts, and the forces and accelerations in a state."""
 
 from __future__ import annotations
 
@@ -43,8 +41,8 @@ class System:
     """One or several wires with their obstacles by name, their sustained contacts and their log.
 
     Contacts with the workpart are compliant if ``stiffness`` (N/m) or ``duration`` (s) is given.
-    The latter is the duration of the first contact, from which the stiffness is computed at that
-    contact. All other contacts are rigid.
+    ``duration`` is that of the first contact, at which the stiffness is computed from it. All other
+    contacts are rigid.
     """
 
     def __init__(
@@ -111,7 +109,7 @@ class System:
         return bool(links[first.piece] == links[second.piece])
 
     def closed(self, state: State) -> State:
-        """Return the nearest state with zero gap and zero normal velocity at all rigid contacts."""
+        """Return the closest state with zero gap and zero normal velocity at all rigid contacts."""
         if not (points := self.rigid):
             return state
         instant = self.at(state)
@@ -171,7 +169,7 @@ class Instant:
 
     @cached_property
     def feet(self) -> Array:
-        """Coordinate along each straight piece of the bar's centre, m, as of ``Bar.feet``."""
+        """Coordinate of the bar's centre along each straight piece (m), from ``Bar.feet``."""
         bar = self.system.obstacles["bar"]
         assert isinstance(bar, Bar)
         return bar.feet(self.system.chain, self.motion)

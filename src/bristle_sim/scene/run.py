@@ -199,8 +199,7 @@ def begin_motion(system: System, given: Motion) -> Motion:
 def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidContacts:
     """Close the gaps of the rigid contacts exactly, and return the solver of their forces.
 
-    The links are moved to the nearest state with closed gaps. The sense of slip of each contact is
-    set too.
+    The links are moved as little as possible. The sense of slip of each contact is set too.
     """
     rigid = RigidContacts(system.scene, contacts)
     rigid.engage(system.state)

@@ -123,8 +123,8 @@ def simulate_row(
 ) -> tuple[Trajectory, ...]:
     """Simulate a row of bristles in one plane in pymunk.
 
-    They can touch each other, the bar and the workpart. All bristles start at the same instant, in
-    radial direction and with the hub's angular velocity.
+    They can touch each other, the bar and the workpart. All bristles start at the same instant,
+    radial and with the hub's angular velocity.
 
     Args:
         tool: the tool; every bristle has its parameters.
@@ -245,8 +245,8 @@ time c/k. For several links it is the number that damping or vibration requires 
 def samples_per_period(settings: Settings) -> int:
     """Return the least number of samples in a period of the bristle on its belt.
 
-    It is that of the settings, or else follows from the accuracy: the relative error of cubic
-    interpolation is h^4/384 for samples at intervals of h rad of the oscillation.
+    It is that of the settings. If they have none, it follows from the accuracy: the relative error
+    of cubic interpolation is h^4/384 for samples at intervals of h rad of the oscillation.
     """
     if settings.samples_per_period is not None:
         return settings.samples_per_period
@@ -255,7 +255,7 @@ def samples_per_period(settings: Settings) -> int:
 
 
 def stepper_for(scene: Scene, settings: Settings, plan: Plan) -> Extrapolation:
-    """Return an integrator with such small errors that the run has the requested accuracy.
+    """Return an integrator whose errors are small enough for the requested accuracy of the run.
 
     Raises:
         ValueError: if the motion is so small that rounding error exceeds the requested accuracy.
@@ -299,10 +299,10 @@ def motion_scale(scene: Scene, start: State) -> float:
     """Return the angular velocity (scene units) to which the errors of a motion are relative.
 
     For a single rigid bristle without obstacles it is the largest angular velocity relative to the
-    hub that the bristle reaches, but at most 1. A bristle of natural frequency w that is released
-    from rest at the angle a reaches the angular velocity a w. The scale is 1 for a bristle that
-    does not move, and for several links. With an obstacle it is 1 too, because the bar gives the
-    bristle an angular velocity of the order of the hub's.
+    hub that the bristle reaches, but at most 1. A bristle of natural angular frequency w that is
+    released from rest at the angle a reaches the angular velocity a w. The scale is 1 for a bristle
+    that does not move, and for several links. It is also 1 with an obstacle, because the bar gives
+    the bristle an angular velocity of the order of the hub's.
     """
     mechanism = scene.mechanism
     effects = scene.effects

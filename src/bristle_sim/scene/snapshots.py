@@ -1,4 +1,5 @@
-"""A run as a sequence of snapshots: state and contacts after each interval and each decision."""
+"""A run as a sequence of snapshots: the state and the contacts after each interval and each
+event."""
 
 from __future__ import annotations
 
@@ -52,7 +53,7 @@ class Snapshot:
     """State and contacts of a run at an instant, in SI units.
 
     The instant is the end of an interval. If an event has ended the interval, a second snapshot at
-    the same time follows, after the decision on the event.
+    the same time follows, with the contacts after the event.
 
     Attributes:
         time: time, s.
@@ -60,7 +61,7 @@ class Snapshot:
         rates: absolute angular velocity of each link, rad/s.
         contacts: the active contacts with their forces.
         event: kind of the event that ended the interval, in words. It is empty if no event ended
-            the interval, and in the snapshot after a decision.
+            the interval, and in the second snapshot after an event.
         events: names of the events that the trajectory has recorded since the previous snapshot.
         impacts: records of impacts, and of contacts that ended, since the previous snapshot.
         stop_reason: reason why the run stops here; None if it continues.

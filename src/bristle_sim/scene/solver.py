@@ -5,16 +5,16 @@ and :mod:`bristle_sim.scene.link_velocity` solves the equations in closed form.
 
 **Joints.** The engine corrects one joint after the other, and would need some 16 n^2 iterations for
 a chain of n links. Here one iteration of the engine is enough, because the solver replaces the
-engine's velocities v by the nearest velocities that obey the joints. The distance of two velocities
+engine's velocities v by the closest velocities that obey the joints. The distance of two velocities
 is the kinetic energy of their difference. Joint impulses do not change which velocities are
-nearest, so those that the engine has applied have no effect. The velocities v_k of the mass centres
+closest, so the joint impulses of the engine have no effect. The velocities v_k of the mass centres
 that obey the joints follow from the links' angular velocities w_j:
 
     v_k = v_root + sum_j g_kj i E_j w_j,    E_j = e^{i angle_j}.
 
 For links at angle 0, g_kj is the vector from the joint of link j to its tip (j < k) or to its mass
 centre (j = k). B is the matrix of the derivatives of v and w with respect to w, and M is the matrix
-of masses and moments of inertia. The nearest angular velocities are the solution of
+of masses and moments of inertia. The closest angular velocities are the solution of
 
     (B^T M B + s C) w = B^T M (v - v_root) + s c_0 w_0.
 
@@ -117,7 +117,7 @@ class WireVelocities:
         self._ratios = np.array([-each.pair.friction * (each.slip or 0) for each in contacts])
 
     def set_back(self, state: State) -> State:
-        """Return the nearest state in which all contacts are closed and their gaps do not change.
+        """Return the closest state in which all contacts are closed and their gaps do not change.
 
         It is found by Newton's method. The distance between states is measured by the mass matrix
         M. With the Jacobian J of the contacts and their gaps g, the change of the angles is
@@ -169,7 +169,7 @@ class WireVelocities:
         self._bodies(None)
 
     def _close_joints(self, turn: Complexes, time: float) -> Array:
-        """Replace the velocities by the nearest velocities that obey the joints.
+        """Replace the velocities by the closest velocities that obey the joints.
 
         Args:
             turn: e^{i angle} of each link.

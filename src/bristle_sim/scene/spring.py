@@ -81,13 +81,13 @@ class SpringContact(ActiveContact):
         duration: predicted duration of the contact.
         predicted: outcome that the impact law predicts.
         stepper: integrator of the contact.
-        surface: gap at the first touch; the penetration is this gap minus the present gap.
-        inverse_mass: contact-space inverse mass matrix K, row by row, at the first touch or at the
-            last update from the bodies.
+        surface: gap at the first touch. The penetration is this gap minus the present gap.
+        inverse_mass: contact-space inverse mass matrix K, row by row. It is that at the first touch
+            until ``follow_bodies`` updates it.
         slip: sense of slip, 1 or -1; 0 in stick.
-        at_rest: whether the phase is "slip at rest": the contact point slips while its normal
-            velocity stays zero, under a friction force between the friction of compression and the
-            friction of restitution.
+        at_rest: whether the phase is "slip at rest": the contact point slips at its greatest depth,
+            with zero normal velocity. The friction force is between the friction of compression and
+            that of restitution.
         stick_force: tangential force in stick, or in slip at rest, at the last state.
         foot: position along the surface at which the tangential spring is attached.
         phases: the phases so far.
@@ -116,7 +116,7 @@ class SpringContact(ActiveContact):
     stopped_at: tuple[State, Vector, Vector, int, int] | None = None
 
     def follow_bodies(self, scene: Scene, state: State) -> None:
-        """Update the inverse mass matrix in stick and in slip at rest, where forces depend on it."""
+        """Update the inverse mass matrix in stick and in slip at rest, where the forces need it."""
         if self.at_rest or not self.slip:
             self.inverse_mass = contact_at(scene.mechanism, state, self.pair).inverse_mass
 
@@ -199,7 +199,7 @@ class SpringContact(ActiveContact):
     def forces(self, penetration: float) -> Vector:
         """Return the (normal, tangential) force at a penetration.
 
-        The tangential force in stick is limited to the friction cone.
+        The tangential force in stick is reduced to the friction limit if it exceeds that limit.
         """
         law = self.law
         normal = max(law.normal_force(penetration), 0.0)
@@ -222,8 +222,7 @@ class SpringContact(ActiveContact):
         """Return the margins of the tangential force to its two limits in the phase "slip at rest".
 
         Returns:
-            The margin to the friction of restitution, at which the contact point begins to move out
-            of the surface.
+            The margin to the friction of restitution, at which the contact point begins to rise.
             The margin to the friction of compression, at which it begins to move deeper.
         """
         law = self.law
@@ -247,8 +246,8 @@ class SpringContact(ActiveContact):
     def off_balance(self, velocity: Vector) -> float:
         """Return v_t + eta^2 v_n K_nt/K_tt for the (normal, tangential) velocity (v_n, v_t).
 
-        When it is 0 during loading, the tangential acceleration that the contact forces give the
-        contact point is stationary. K is the inverse mass matrix, eta^2 the tangential compliance.
+        During loading it is proportional to the time derivative of the tangential acceleration that
+        the contact forces cause. K is the inverse mass matrix, eta^2 the tangential compliance.
         """
         coupling, along = map(float, self.inverse_mass[1])
         return velocity[1] + self.law.compliance * velocity[0] * coupling / along
@@ -256,7 +255,7 @@ class SpringContact(ActiveContact):
     def set_foot(self, penetration: float, place: float) -> bool:
         """Attach the tangential spring to the surface so that its force does not jump.
 
-        The force is limited to the friction cone. Return whether it is on the edge of the cone.
+        The force is limited to the friction limit. Return whether it is at the limit.
 
         Args:
             penetration: present penetration.
@@ -279,12 +278,12 @@ def _begin_force(
 ) -> tuple[Callable[[], None], Callable[[], list[float]]]:
     """Begin the force of a contact, in its present phase, for steps of the length ``step``.
 
-    Without a tangential spring, the tangential force in stick cancels in each step of length h the
-    slip velocity v_t of the previous step: -(K_nt N + v_t/h)/K_tt, with the normal force N and the
-    contact-space inverse mass matrix K. In slip at rest it cancels the normal velocity v_n instead:
-    -(K_nn N + v_n/h)/K_nt. The force of the second step is taken for that at the interval's
-    beginning, the force of a further step for that at its end. The errors of both are power series
-    in h, so extrapolation removes them.
+    In stick without a tangential spring, the tangential force in a step of length h cancels the
+    slip velocity v_t of the previous step. It is -(K_nt N + v_t/h)/K_tt, with the normal force N
+    and the contact-space inverse mass matrix K. In slip at rest it cancels the normal velocity v_n
+    instead, and is -(K_nn N + v_n/h)/K_nt. The force in the second step stands for the force at the
+    interval's beginning. The force that a further step would have stands for the force at its end.
+    The errors of both are power series in h, so extrapolation removes them.
 
     Returns:
         The functions that ``SpringForce`` describes.

@@ -86,7 +86,7 @@ class ChainStrike:
 def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> ChainStrike:
     """Simulate the impact of a chain whose last rod touches a surface with its tip.
 
-    With any contact law, a tip that does not approach the surface leaves it at once.
+    A tip that does not approach the surface leaves it at once, whatever the contact law.
 
     Args:
         chain: the rods at the instant of impact.
@@ -302,8 +302,9 @@ def wire_frequencies(tool: Tool) -> Array:
 
     They follow from the eigenvalues of M^-1 K, with the mass matrix M and the stiffness matrix K in
     the links' angles. Each link in turn is set at a small angle, and one engine step is taken from
-    rest. The angular velocities of all links after the step, divided by the angle and by the step's
-    length, are a column of -M^-1 K, because the engine has not moved any link yet.
+    rest. The engine moves the links by their old velocities, which are zero. The angular velocities
+    of all links after the step, divided by the angle and by the step's length, are therefore a
+    column of -M^-1 K.
 
     Returns:
         The frequencies in ascending order, shape (links,).

@@ -56,7 +56,7 @@ class Plan:
         single_contact: whether the run simulates a single contact. Extremes of the motion are then
             no events.
         instant: shortest time resolved. No force moves a link by more than the accuracy within it.
-        shortest: length of an interval so short that a contact force that falls to zero within it
+        shortest: length of a very short interval. A contact force that falls to zero within it
             counts as zero from the interval's start.
         first_interval: longest first interval of a contact. The bound on the following intervals
             grows from it.
@@ -123,8 +123,9 @@ class System:
         scene: the scene.
         mechanism: the scene's mechanism.
         plan: plan of the run.
-        pairs: the pairs of link and obstacle that can touch. The surface of a pair may have a dent
-            from an earlier contact; the tip then touches the bottom of the dent.
+        pairs: the pairs of link and obstacle that can touch. The surface of a pair may have a dent,
+            the indentation that an earlier compliant contact has left. The tip then touches the
+            bottom of the dent.
         law: impact law of the workpart; the energetic law applies to all other pairs.
         state: the last state reached.
         flight: integrator of motion without contact springs.
@@ -189,7 +190,7 @@ class System:
         return single or not self.law.finite_duration
 
     def slip_error(self, fastest: State) -> float:
-        """Return the possible error of a slip velocity; the sense of a smaller one is unknown.
+        """Return the possible error of a slip velocity, up to which its sense is unknown.
 
         The error is proportional to the largest speed in the state ``fastest``.
         """
@@ -279,8 +280,8 @@ class System:
     def behind_joint(self, pair: ContactPair, active: Sequence[ContactPair], end: State) -> bool:
         """Return whether a link can touch the bar only at a joint that is already in contact.
 
-        The link shares this joint with a neighbour in contact. The result is True if the joint is
-        the link's point closest to the bar at present and at ``end``, or if it is so at present and
+        The link shares this joint with a neighbour in contact. The result is True if, at present,
+        the joint is the link's point closest to the bar, and if it is also closest at ``end`` or
         the gap is closed. Otherwise the link may touch the bar at another point.
 
         Args:

@@ -1,7 +1,8 @@
 """Building the scene of a bristle-blasting tool: from parameters in SI units to engine units.
 
-The engine's tolerances are absolute, so results would depend on the units. Every scene therefore
-has units of its own, in which the quantities of an impact are of the order of 1.
+The engine's tolerances are absolute, so results in SI units would depend on the size of the tool.
+Every scene therefore has units of its own, in which the quantities of an impact are of the order of
+1.
 """
 
 from __future__ import annotations
@@ -140,7 +141,7 @@ def build_tool(
 
 
 def _pairs(tool: Tool, units: Units, first: int) -> Iterator[ContactPair]:
-    """Yield the pairs of a wire: each link with the bar, and tip and knee with the workpart.
+    """Yield the pairs of a wire: each link with the bar; the tip and the knee with the workpart.
 
     ``first`` is the index of the wire's first link.
     """

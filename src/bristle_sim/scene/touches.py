@@ -65,9 +65,9 @@ link and obstacle do not touch, and None."""
 def first_event(system: System, motion: Motion, interval: Interval) -> Found:
     """Search for the first event in an interval.
 
-    In contact the search begins with the events of contacts, because a contact that slides onto
-    the neighbouring link is no touch of that link. In flight it begins with touches, so that no
-    extreme after a touch need be located.
+    During a contact the search begins with the events of contacts, because a contact that slides
+    onto the neighbouring link is not a touch of that link. In flight it begins with touches, so
+    that an extreme after a touch need not be located.
 
     Returns:
         One of three pairs:
@@ -101,16 +101,15 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
 def _search_hop(
     system: System, interval: Interval, pair: ContactPair, longest: float
 ) -> Found | None:
-    """Search for the end of a rebound so small that the link comes back within the interval.
+    """Search for the end of a rebound that is so small that the link returns within the interval.
 
     An interval longer than ``longest`` is first shortened to this length.
 
     Returns:
-        A pair, or a single None:
-            The interval up to the end of the rebound, and the touch. (The event is ``REST`` if the
-            rebound is too low to follow.)
-            The shortened interval and None, if the link is outside the obstacle at its end.
-            A single None, if the link is outside at the end of an interval not shortened before.
+        A pair, or a single None: The interval up to the end of the rebound, and the touch. (The
+            event is ``REST`` if the rebound is too low to follow.) The shortened interval and None,
+            if the link is outside the obstacle at its end. A single None, if the link is outside
+            the obstacle at the end of an interval that was not shortened.
     """
     integrate_to = interval.integrate_to
     shortened = interval.length > longest

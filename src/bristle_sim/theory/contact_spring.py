@@ -1,5 +1,4 @@
-"""The force law of a contact with springs: normal force over penetration, friction, and the foot of
-the tangential spring. The stiffness at which a contact lasts a given time.
+"""The force law of a contact with springs, and the stiffness at which a contact lasts a given time.
 
 The normal force N is bilinear in the penetration delta: N = k delta while delta exceeds every
 earlier value, and
@@ -9,11 +8,13 @@ earlier value, and
 otherwise, down to 0 at delta_r. The spring thus returns e*^2 of the work of loading, for any motion of
 the bodies (Stronge 1990).
 
-Where the tangential compliance eta^2 is not 0, a spring of the stiffness k/eta^2 joins the contact
-point to a foot on the surface. While the foot sticks, T = -(k/eta^2) (x - x_foot). Where this force
-would leave the friction cone abs(T) <= mu N, the foot slides in the sense s, with T = -mu s N, at
-the velocity v_t + mu s eta^2 kappa v_n. The stiffness ratio kappa is 1 in loading and 1/e*^2 in
-unloading (Maw, Barber and Fawcett 1976; Stronge, *Impact Mechanics*, 2nd ed., sec. 5).
+Here e* is the energetic coefficient of restitution and delta_max the largest penetration. If the
+tangential compliance eta^2 is not 0, a spring of the stiffness k/eta^2 joins the contact point to a
+foot on the surface. While the foot sticks, the tangential force is T = -(k/eta^2) (x - x_foot),
+with the coordinates x of the contact point and x_foot of the foot. The friction limit is abs(T) <=
+mu N. Where T would exceed it, the foot slides in the sense s with T = -mu s N. Its velocity is then
+v_t + mu s eta^2 kappa v_n. The stiffness ratio kappa is 1 in loading and 1/e*^2 in unloading (Maw,
+Barber and Fawcett 1976; Stronge, *Impact Mechanics*, 2nd ed., sec. 5).
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ class ContactSpring:
 
     @property
     def residual(self) -> float:
-        """Penetration at which the normal force is 0: in unloading that of the dent."""
+        """Penetration at which the normal force is 0; in unloading the depth of the dent."""
         return 0.0 if self.deepest is None else self.deepest * (1.0 - self.restitution**2)
 
     @property
@@ -115,7 +116,7 @@ class ContactSpring:
         return -(self.stiffness / self.compliance) * (place - foot)
 
     def foot(self, place: float, force: float) -> float:
-        """Return the coordinate along the surface at which the tangential spring's foot must be.
+        """Return the coordinate of the tangential spring's foot for a given force of the spring.
 
         ``place`` is the coordinate of the contact point, ``force`` the force of the spring.
         """
@@ -125,8 +126,8 @@ class ContactSpring:
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
     """Return the normal stiffness at which a frictionless contact lasts a given time.
 
-    The stiffness is k = (pi (1 + e*)/(2 T))^2/K_nn, where K_nn is the inverse mass along the
-    normal, e* the energetic coefficient of restitution and T the duration.
+    The stiffness is k = (pi (1 + e*)/(2 T))^2/K_nn, with the duration T, the energetic coefficient
+    of restitution e* and the inverse mass K_nn along the normal.
 
     A point of 1 kg on a spring of 1 N/m is in contact for half a period, pi s:
 
@@ -142,10 +143,10 @@ def stiffness_for_duration(
     """Return the normal stiffness at which a contact lasts a given time.
 
     The result holds in the limit of short contacts, in which the duration is inversely proportional
-    to the square root of the stiffness. With a stiffness of 1 the normal velocity v and the normal
-    force N obey v' = a N and N' = -v/e*^2 (loading: -v) within a phase of the impact, where a is the
-    change of v per unit normal impulse in that phase. The phase is therefore part of a harmonic
-    motion. Its duration follows from v and N at its ends, which the impact law gives.
+    to the square root of the stiffness. In a phase of the impact let a be the change of the normal
+    velocity v per unit normal impulse. With a stiffness of 1 the normal force N and v obey v' = a
+    N, and N' = -v in loading or N' = -v/e*^2 in unloading. The phase is therefore part of a
+    harmonic motion. Its duration follows from v and N at its ends, which the impact law gives.
 
     Args:
         impact: result of the rigid-body law for the same impact.

@@ -7,16 +7,16 @@ cut:
 
     depth = cos(gamma) sum_i [F_c(t_i) - F_c(t_{i-1})] sin(eta) cos(eta + beta - alpha)/(b(t_i) tau_s cos(beta - alpha)).
 
-As the number n of plies grows, the sum tends to the integral of F_c'(t)/b(t). The width starts like
-sqrt(t). The sum, a rule of right end points, therefore falls short of the limit like 1/sqrt(n)
-(Navot 1961): its order is one half, not one.
+As the number n of plies grows, the sum tends to the integral of F_c'(t)/b(t). The width grows like
+sqrt(t) at first. The sum takes each width at the end of its ply, and is therefore below the limit
+by a term of order 1/sqrt(n) (Navot 1961), not 1/n.
 
 The work-energy estimate adds, over the plies, the lost kinetic energy divided by the force, d_i =
-[E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). This estimate fails. The postulated motion brakes hardest at
-t = 0, where the force of (3.19) begins near zero; the sum is therefore 9.65 mm at 300 plies and
-grows with n. Read as a ratio of two sums, as (4.66) is printed, it tends to zero. Over the printed
-path the force does 4.05 mJ of work, while the kinetic energy falls by 15.6 mJ (3.0 mJ of it, the
-term in e^(-lambda t), is work of the root's bearing). Force and motion thus belong to two different
+[E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). This estimate fails. The postulated motion decelerates most at
+t = 0, where the force of (3.19) is almost zero. The sum is therefore 9.65 mm at 300 plies and grows
+with n. As a ratio of two sums, which (4.66) prints, it tends to zero. Over the printed path the
+force does 4.05 mJ of work, but the kinetic energy falls by 15.6 mJ. Of these, 3.0 mJ (the term in
+e^(-lambda t)) are work of the root's bearing. The force and the motion thus belong to two different
 events.
 
 Arguments: the coefficient of friction mu while cutting, the impact angle gamma in rad, the shear

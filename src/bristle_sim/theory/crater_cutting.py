@@ -1,23 +1,24 @@
 """Crater depth from the cutting force or from the energy, also for a contact resolved in time.
 
-Merchant's relation (4.31) says that a tip which cuts a chip of depth d_u and width b feels F_c = u
-b d_u along its path, with the specific cutting energy u = tau_s cos(beta - alpha)/(sin(eta) cos(eta
-+ beta - alpha)) fixed by the angles. On a straight path that descends at gamma, the tip after the
-path S is S sin(gamma) below the surface and S tan(gamma) from it along the normal to the path; this
-is d_u, so that depth = d_u cos(gamma) as in (4.50), and the face's width there is b(S sin(gamma)).
-So
+A tip that cuts a chip of depth d_u and width b is loaded by the force F_c = u b d_u along its path
+(Merchant, 4.31; symbols of the module ``merchant``). The specific cutting energy u = tau_s cos(beta
+- alpha)/(sin(eta) cos(eta + beta - alpha)) depends on the angles only. The path is straight and
+descends at gamma. After the length S of the path, the tip is S sin(gamma) below the surface.
+Measured along the normal to the path, the surface is at the distance d_u = S tan(gamma), so that
+depth = d_u cos(gamma) as in (4.50). With the width b of the face at a depth,
 
-    F_c(S) = u b(S sin(gamma)) S tan(gamma),    W(S) = integral of F_c dS = u V(S),    V: volume
-    swept.
+    F_c(S) = u b(S sin(gamma)) S tan(gamma),    W(S) = integral of F_c dS = u V(S),
+
+where V is the swept volume.
 
 ``depth_from_force`` solves the equation of F_c for the depth, ``depth_from_energy`` the equation of
 W. The sum over time steps of (4.50) differs from the equation of F_c: it adds up dF_c/b with the
-width at each time, although (4.31) ties the whole force to the last width.
+width at each time, although in (4.31) the whole force belongs to the last width.
 
 A contact resolved in time gives both force and energy. Up to its deepest penetration the force
 along the path, N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip is W.
-The two depths agree only if the contact is as stiff as the chip: the energy does not depend on the
-duration of the contact, while the force is inversely proportional to it.
+The two depths agree only if the contact is as stiff as the chip. The energy does not depend on the
+duration of the contact, but the force is inversely proportional to the duration.
 
 Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back,
 compression only, and a face longer than the cut is deep. The angle is within 0 < gamma < pi/2, in

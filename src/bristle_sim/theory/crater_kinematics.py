@@ -2,9 +2,9 @@
 section 4.1, compression only).
 
 The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda
-t)) (4.1) and takes c_1 from a micrograph, lambda c_1 from the tip's speed. Everything else follows
-from the bristle's geometry. The printed constants carry the rounding of hand calculation. They are
-the defaults of CraterKinematics; ``of_tool`` computes them without rounding.
+t)) (4.1). It takes c_1 from a micrograph and lambda c_1 from the tip's speed. Everything else
+follows from the bristle's geometry. The printed constants carry the rounding of hand calculation.
+They are the defaults of CraterKinematics; ``of_tool`` computes them without rounding.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ class CraterKinematics:
             centre_speed q + final_centre_speed, m/s.
         final_centre_speed: speed of the centre of mass with the tip at rest, m/s.
         depth: final depth of the tip below the surface, m. At time t the depth is depth (1 - q).
-        face_depth: length of the tip's face below the surface at the final depth, m.
+        face_depth: length of the part of the tip's face that is below the surface at the final
+            depth, m.
     """
 
     decay: float = 92400.0
@@ -151,9 +152,9 @@ class CuttingWidth:
 
     Attributes:
         half_width: radius h of the wire, m.
-        swing: length s, m. It is the length of the face below the surface at the final depth, times
-            the ratio of the ellipse's short to its long axis. The dissertation prints h - s =
-            1.39e-4 m.
+        swing: length s, m. It is the length of the part of the face below the surface at the final
+            depth, times the ratio of the ellipse's short to its long axis. The dissertation prints
+            h - s = 1.39e-4 m.
         decay: decay rate of the motion, 1/s.
     """
 

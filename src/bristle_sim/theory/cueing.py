@@ -1,11 +1,10 @@
-"""Where the bar must stand so that the tip strikes at its highest speed (Zhang 2020, sec. 2.2, eqs.
-2.1-2.3).
+"""Position of the bar at which the tip strikes at its highest speed (Zhang 2020, eqs. 2.1-2.3).
 
 The bar releases the bristle when it lags its radial direction by the retraction theta_p. Seen from
 the hub's centre, the tip then lags the root by the angle A. The belt throws the bristle forward.
-After the cue time t_c, in which the hub turns by theta_1, the bristle is fastest. It should then
-touch the workpart radially, at the impact angle gamma. The direction of the bar from the workpart's
-normal is therefore A + theta_1 + gamma.
+The cue time t_c is the time from the release to the highest speed; in it the hub turns by theta_1.
+At its highest speed the bristle should touch the workpart radially, at the impact angle gamma. The
+bar must therefore stand at the angle A + theta_1 + gamma from the workpart's normal.
 
 Between contacts, with alpha the bristle's angle relative to the radial direction,
 
@@ -248,7 +247,7 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
 
 
 def _phase(damping_ratio: Number) -> Number:
-    """Return f(zeta) of ``damped_cue_time``: the cue time times the natural angular frequency."""
+    """Return f(zeta) of ``damped_cue_time``, the cue time times the natural frequency."""
     zeta = damping_ratio
     root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
@@ -257,7 +256,7 @@ def _phase(damping_ratio: Number) -> Number:
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """The position of the bar at which the bristle strikes at its highest speed, and its motion.
+    """The position of the bar at which the bristle strikes at its highest speed, and the motion.
 
     Attributes:
         impact_angle: angle of the wire to the workpart's normal at the strike, rad.

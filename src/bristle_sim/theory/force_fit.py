@@ -3,14 +3,14 @@ contains a contact.
 
 With the lead t_o = t_f/10 and the period T = 1.2 t_f, (3.3) is F(t) = sum_i c_i e^(-lambda_i t)
 (F*/2) [cos 30 deg - cos(2 pi t/(1.2 t_f) + 30 deg)], where t_f is the duration of the contact. F*
-only scales the amplitudes c_i. It is therefore not fitted but read off the points. The unknowns are
-one amplitude c, one decay rate lambda, t_f and the start s of the contact. If
-the record holds samples from outside the contact, the baseline b is an unknown too: the measured
-force is b + F(t - s) during the contact, and b elsewhere. (3.3) is 0 at both ends, so the model is
+only scales the amplitudes c_i. It is therefore not fitted but taken from the points. The unknowns
+are one amplitude c, one decay rate lambda, the duration t_f and the start s of the contact. If the
+record holds samples from outside the contact, the baseline b is an unknown too: the measured force
+is b + F(t - s) during the contact, and b elsewhere. (3.3) is 0 at both ends, so the model is
 continuous in s and t_f.
 
-There are several searches. Each one starts from the highest pulse of the points or of a moving
-average of them. The fit that explains most of the record is chosen.
+Several fits are computed. Each starts from the highest pulse of the points or of a moving average
+of them. The fit that explains most of the record is chosen.
 """
 
 from __future__ import annotations
@@ -152,8 +152,9 @@ def fit_force_history(time: ArrayLike, force: ArrayLike) -> ForceFit:
         force: forces (N), shape (n,), positive where the tip is pushed.
 
     Raises:
-        ValueError: if the arrays are no force history; if there are no more points than unknowns;
-            if there is no contact in the record; or if the contact began before the record.
+        ValueError: if the arrays are not a force history; if there are not more points than
+            unknowns; if there is no contact in the record; or if the contact began before the
+            record.
     """
     time = np.asarray(time, dtype=float)
     force = np.asarray(force, dtype=float)

@@ -161,8 +161,8 @@ class ForceCurve:
         """Return the force curve of an impact with other compressive impulse and compression time.
 
         ``impulse`` (N s) is the impulse up to the peak of the new curve, ``compression_time`` (s)
-        the time of that peak. In both impacts the same fraction of the compression time carries the
-        same fraction of the compressive impulse (3.14): F_new(t) = (impulse/(k p_c)) F(t/k), with
+        the time of that peak. In both impacts the same fraction of the compressive impulse acts in
+        the same fraction of the compression time (3.14): F_new(t) = (impulse/(k p_c)) F(t/k), with
         the ratio k of the new to the old compression time and the compressive impulse p_c of this
         curve.
         """

@@ -16,9 +16,9 @@ quadratic. So every phase ends in closed form:
   compression. With Newton's v_n is -e times its value before the impact.
 
 So compression and restitution have two phases each: the initial slip, and the stick or slip that
-follows it. Where friction is larger in restitution than in compression, slip can drive the point
-back into compression as soon as v_n > 0. The only motion that obeys both coefficients of friction
-then keeps v_n = 0 until slip stops ("slip at rest").
+follows it. If friction is larger in restitution than in compression, it can drive the point back
+into compression as soon as v_n > 0. The only motion that obeys both coefficients of friction then
+keeps v_n = 0 until slip stops ("slip at rest").
 
 Sources: W. J. Stronge, *Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990)
 169-181; J. Zhang (2020), eqs. 2.4-2.18, 2.46; Wang and Mason, J. Appl. Mech. 59 (1992) 635-642 for
@@ -87,8 +87,8 @@ def energetic_impact(
         restitution_friction: coefficient of friction in restitution, by default equal to
             ``friction``.
         stick_compliance: change of v_n per unit normal impulse while the point does not slip, K_nn
-            - K_nt^2/K_tt, 1/kg. Give it if it is available with more digits than K has: at a mass
-            ratio of 1e12 the difference has only four correct digits.
+            - K_nt^2/K_tt, 1/kg. Give it if it is known to more digits than this difference: at a
+            mass ratio of 1e12 the difference has only four correct digits.
         tangential_compliance: ratio eta^2 of the contact's normal to its tangential stiffness, from
             0 (rigid along the surface) to 1e4, shape (...). Two bodies of one elastic material have
             (2 - nu)/(2 (1 - nu)), nu being Poisson's ratio (``impact_compliance``). Below 1e-4 the
@@ -141,7 +141,7 @@ def poisson_impact(
     The normal impulse of restitution is e times the normal impulse of compression (Wang and Mason
     1992). Arguments, result and errors are those of ``energetic_impact``. The impact can gain
     energy only if ``restitution_friction`` differs from ``friction``. The tangential compliance
-    must be 0, since springs do not prescribe the impulse of restitution.
+    must be 0, since the impulse of restitution on springs cannot be prescribed.
 
     A body of 1 kg without friction has impulses of 1 N s in compression and 0.5 N s in restitution.
 
@@ -165,7 +165,7 @@ def newton_impact(
 
     The normal velocity after the impact is -e times the normal velocity before it. Arguments,
     result and errors are those of ``energetic_impact``. The tangential compliance must be 0, since
-    springs do not prescribe the velocity of separation.
+    the velocity of separation on springs cannot be prescribed.
 
     This law serves for comparison only: where slip stops or reverses, the impact can gain energy.
     An example is Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985).
@@ -212,7 +212,7 @@ def _resolve(
 
     ``end`` is the function by which the laws differ: it returns the normal impulse at which
     restitution ends. The other arguments are those of ``energetic_impact``. Impacts with a
-    tangential compliance are resolved on springs, all others as rigid.
+    tangential compliance are resolved on springs, all others as rigid impacts.
     """
     later = friction if restitution_friction is None else restitution_friction
     given = {"friction": friction, "restitution": restitution, "restitution_friction": later}

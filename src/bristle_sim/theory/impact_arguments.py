@@ -38,8 +38,9 @@ Arguments = dict[str, Number]
 def single_impact(inverse_mass: Any, velocity: Any, coefficients: Arguments) -> Arguments | None:
     """Return the arguments of a single impact as floats, or None if they are not plain floats.
 
-    This saves time for the engine's contacts, which come one at a time. The inverse mass must be an
-    array, the velocity a tuple, and all coefficients floats; otherwise the result is None.
+    This saves time for the engine's contacts, which are resolved one at a time. The inverse mass
+    must be an array, the velocity a tuple, and all coefficients floats; otherwise the result is
+    None.
     """
     if type(inverse_mass) is not np.ndarray or inverse_mass.shape != (2, 2):
         return None

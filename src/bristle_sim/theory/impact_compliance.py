@@ -1,36 +1,36 @@
-"""Impact at a point that is elastic along the surface too: Stronge's tangential spring beside the
-normal one.
+"""Impact at a point with a tangential spring in addition to the normal spring (Stronge).
 
 The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it returns e*^2 of the
-work of loading. The tangential spring has stiffness k/eta^2, and its foot slides where its force T
-would leave the friction cone |T| <= mu N. With the inverse mass matrix K, dv = K (N, T) dt. The
-outcome depends on K, v, mu, e* and eta^2. The stiffness k has an effect on the duration alone, and
-is set to 1. An impact is a sequence of phases (``impact_stick``, ``impact_springs``):
+work of loading. The tangential spring has stiffness k/eta^2. Its foot is its end on the surface; it
+slides where the force T of the spring would exceed the friction limit, |T| <= mu N. With the
+inverse mass matrix K, dv = K (N, T) dt. The outcome depends on K, v, mu, e* and eta^2. The
+stiffness k affects only the duration, and is set to 1. An impact is a sequence of phases
+(``impact_stick``, ``impact_springs``):
 
-* stick: the motion of two oscillators. It ends where the force reaches the cone
-  or where loading or unloading ends;
-* slip in the sense s: T = -mu s N, so that v and the foot's velocity v_t + mu s
-  eta^2 kappa v_n are linear in the normal impulse p, and N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p)
-  p^2/2). It ends at a root of a polynomial: the foot stops, loading or unloading ends, or N = 0.
+* stick: the motion of two oscillators. It ends where the force reaches the friction limit or where
+loading or unloading ends; * slip in the sense s: T = -mu s N, so that v and the foot's velocity v_t
++ mu s eta^2 kappa v_n are linear in the normal impulse p, and N^2 = N_0^2 - 2 kappa (v_n p +
+v_n'(p) p^2/2). It ends at a root of a polynomial: the foot stops, loading or unloading ends, or N =
+0.
 
 Loading ends where v_n = 0. With e* = 0 the contact ends there too, and the energy of both springs
-is lost. In unloading the coefficient of friction is mu_2. A tangential force T beyond the cone
-jumps onto the cone. A point that is pressed deeper than before loads again, with mu_1. The works
-are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta T^2/2. Springs
-begin and end without force, or lose their force, so energy never grows.
+is lost. In unloading the coefficient of friction is mu_2. A tangential force T beyond the friction
+limit is reduced to it. A point that is pressed deeper than before loads the spring again, with
+mu_1. The works are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta
+T^2/2. Springs begin and end without force, or lose their force, so energy never grows.
 
 A point of one degree of freedom may never leave the surface. In stiction, friction keeps both
 springs compressed. In a jam, the point moves on into the surface at a constant speed, and both
 forces grow. Balanced forces, K (N, T) = 0, do not change the motion, and their impulse grows
-without bound. The impact is therefore taken to end where K (N, T) is first stationary in loading,
-at K_nt v_n + K_tt v_t/eta^2 = 0. The velocity there is the mean velocity about which the point
-would swing; it is 0 in stiction. As eta^2 falls, this end tends to the end of slip, where the
-impact of a rigid point ends.
+without bound. The impact is therefore taken to end where the tangential component of K (N, T) is
+first stationary in loading, at K_nt v_n + K_tt v_t/eta^2 = 0. The velocity there is the mean
+velocity about which the point would swing; it is 0 in stiction. As eta^2 falls, this end tends to
+the end of slip, where the impact of a rigid point ends.
 
 As eta^2 falls, the result tends to the result for a rigid point. If the rigid point sticks, the
 impulse differs by a term of order eta^2. Three differences are of order eta: the impulse where slip
-reverses, since T crosses the cone in a time of that order; the impulse where slip and approach stop
-together, as on a radial bristle; and the slip that remains if e* = 0.
+reverses, since T changes from one friction limit to the other in a time of that order; the impulse
+where slip and approach stop together, as on a radial bristle; and the slip that remains if e* = 0.
 
 Source: W. J. Stronge, *Impact Mechanics*, 2nd ed. (2018), chs. 5 and 6; N. Maw, J. R. Barber, J. N.
 Fawcett, Wear 38 (1976) 101-114.
@@ -106,10 +106,11 @@ class Course:
             everything after the first stick or slip.
         row: index of the present phase in ``totals``.
         slip_stop: normal impulse at which the initial slip stops.
-        phases: number of consecutive phases that are limited.
+        phases: number of consecutive phases of the kinds whose number is bounded.
         returns: number of changes from unloading to loading.
-        kept: ``totals`` and the velocity at the first balance of forces or end of loading. An impact
-            without end, of a point with one degree of freedom, ends there.
+        kept: ``totals`` and the velocity at the first balance of forces or end of loading. An
+            impact that would never end, of a point with one degree of freedom, is taken to end
+            there.
     """
 
     def __init__(self, contact: Contact) -> None:
@@ -166,9 +167,9 @@ class Course:
             totals[4] = slip
 
     def end_without_release(self) -> int:
-        """Return the outcome of an impact without end, and set the contact back to ``kept``.
+        """Return the outcome of an impact that would never end.
 
-        The outcome is a jam if the point moves into the surface, otherwise stiction.
+        The contact is set back to ``kept``. The outcome is a jam if the point moves into the surface, otherwise stiction.
         """
         contact = self.contact
         pressed = contact.loading or contact.normal < -KNIFE_EDGE * contact.approach

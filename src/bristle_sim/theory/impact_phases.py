@@ -3,7 +3,7 @@
 Within a phase of constant slip direction (or stick) the velocities are linear in the normal impulse
 and the works quadratic, so that each phase ends in closed form. Slip ends where v_t = 0,
 compression where v_n = 0. Restitution ends at its target, which is a normal work, impulse or
-velocity. The same code serves floats, for speed in a scene, and arrays.
+velocity. The same code serves arrays, and floats for speed in a scene.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ which it is rounding error. The point then has one degree of freedom."""
 class Impact(EqualByValue):
     """The result of an impact, or of an array of impacts.
 
-    Each attribute is a float for a single impact, or an array of the broadcast shape. Impulses, and
-    their works, are those on the moving body; normal impulses are positive.
+    Each attribute is a float for a single impact, or an array of the broadcast shape. Impulses and
+    works are those on the moving body; normal impulses are positive.
 
     Attributes:
         impulse_normal, impulse_tangential: total impulse, N s.
@@ -265,7 +265,7 @@ def resolve_phases(
 
 
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
-    """Return the inverse mass matrix with its response in stick, if None computed from it."""
+    """Return the inverse mass matrix with its response in stick, computed if ``stick`` is None."""
     ratio = select(k_tt > 0.0, quotient(k_nt, k_tt), 0.0)
     if stick is None:
         difference = k_nn - ratio * k_nt
@@ -274,7 +274,7 @@ def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | No
 
 
 def _settled(mass: InverseMass, mu: Number) -> Number:
-    """Return the sense of slip after the initial slip: 0 if friction holds, else the sign of K_nt."""
+    """Return the sense of slip after the initial slip: 0 in stick, otherwise the sign of K_nt."""
     holds = mu * mass.tangential >= abs(mass.coupling)
     return select(holds, 0.0, sign(mass.coupling))
 
@@ -288,7 +288,7 @@ def _phase(
     target: Target | None = None,
     end: End | None = None,
 ) -> _Phase:
-    """Advance the state to the end of slip, of compression or of restitution, whichever is first.
+    """Advance the state to the end of slip, or of compression or restitution if it is earlier.
 
     With a ``target`` the phase belongs to restitution, otherwise to compression. If no finite
     impulse ends the phase, the state does not change. In restitution, slip may not drive the point

@@ -111,8 +111,8 @@ class Contact:
     def begun_slip(self) -> float:
         """Return the sense in which the tangential spring's foot begins to slide, or 0 for stick.
 
-        The foot slides if the spring's force is at an edge of the friction cone and would leave the
-        cone. Without friction the foot always slides.
+        The foot slides if the spring's force is at the friction limit and would exceed it. Without
+        friction the foot always slides.
         """
         smooth = self.friction == 0.0
         side = -math.copysign(1.0, self.rub)

@@ -15,9 +15,9 @@ Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. 
 v_n = 0, and unloading ends where N returns to its largest value. These event functions are each a
 constant plus a harmonic term of each mode, so that |f''| <= M with a bound from the amplitudes. The
 parabola f + f' h - M h^2/2 bounds f from below after a step h: its root is a step that passes no
-root of f. Such steps converge quadratically to the first root, and step over a near miss. Where the
-rates of the modes differ much, longer steps are found from the parabola of the slow mode less the
-amplitude of the fast mode.
+root of f. Such steps converge quadratically to the first root, and step over a near miss. If the
+rates of the modes differ much, a longer step follows from the parabola of the slow mode, lowered by
+the amplitude of the fast mode.
 """
 
 from __future__ import annotations
@@ -209,12 +209,12 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
 
     Args:
         contact: the contact, whose state the function changes.
-        jams: whether a point with one degree of freedom does not advance if it is driven into the
-            surface without end. The event is ``NEVER``.
-        settles: whether the contact loses the energy of its fast mode instead of advancing. The
-            event is ``SETTLED``.
-        balances: whether the phase of a point with one degree of freedom ends, at the latest, when
-            the velocity of its fast mode is zero. The event is ``BALANCED``.
+        jams: whether the function leaves a point with one degree of freedom where it is, if the
+            motion would drive it into the surface for ever. The event is ``NEVER``.
+        settles: whether the fast mode loses its energy, and the contact does not advance. The event
+            is ``SETTLED``.
+        balances: whether the phase of a point with one degree of freedom ends when the velocity of
+            its fast mode is zero, unless it has ended before. The event is ``BALANCED``.
 
     Returns:
         The event that ends the phase, and the phase's impulses and works.

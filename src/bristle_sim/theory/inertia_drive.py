@@ -1,10 +1,11 @@
-"""A tool without a bar: the bristle's own inertia throws it when the belt runs onto the pulley.
+"""A tool without a bar, whose bristle is thrown by its own inertia when the belt runs onto the
+pulley.
 
 On the belt's straight run the bristle translates. Where the belt meets the pulley, the root begins
 to turn at the pulley's speed omega, but the bristle does not. With the angle alpha of the bristle
-from the radial direction, it thus starts at alpha = 0 with alpha' = -omega. It lags, the belt
-drives it back, and it passes the radial direction again. Undamped and without gravity the energy in
-the pulley's frame,
+from the radial direction, it thus starts at alpha = 0 with alpha' = -omega. It lags until the belt
+drives it back through the radial direction. Without damping and gravity the energy in the pulley's
+frame,
 
     I alpha'^2/2 + k alpha^2/2 + g (1 - cos alpha) = I omega^2/2,    g = m r_h (L/2) omega^2,
 
@@ -60,7 +61,7 @@ def largest_retraction(
     bristle = (stiffness, centrifugal, inertia)
 
     def excess(angle: float) -> float:
-        """Return the potential energy at an angle divided by the initial kinetic energy, less 1."""
+        """Return the potential energy at an angle over the initial kinetic energy, minus 1."""
         return float((stiffened_highest_speed(angle, *bristle) / hub_speed) ** 2) - 1.0
 
     flat = 0.5 * math.pi

@@ -3,20 +3,20 @@ section 4.2).
 
 The tool pushes the chip with a resultant R that makes the angle beta - alpha with the cutting
 velocity (beta: friction angle, alpha: rake angle). The chip shears off along a plane at the shear
-angle eta to the cutting velocity. In this plane the yield stress tau_s acts over the area
-b d_u/sin(eta), with the width b and the uncut depth d_u. The modified circle measures d_u normal to
-a path that descends at the impact angle gamma. For every rake R then makes the angle arccot(mu)
-with the workpart: beta - alpha = arccot(mu) - gamma.
+angle eta to the cutting velocity. In this plane the yield stress tau_s acts over the area b
+d_u/sin(eta), with the width b and the uncut depth d_u. In the modified circle d_u is normal to a
+path that descends at the impact angle gamma. For every rake angle the resultant R then makes the
+angle arccot(mu) with the workpart: beta - alpha = arccot(mu) - gamma.
 
-``surface="parallel"`` measures the shear plane as (4.28) does, d_u/sin(eta) long, which is right
-for a surface parallel to the path. The real surface rises from the path at gamma, so a shear plane
-at eta meets it after d_u cos(gamma)/sin(eta - gamma). ``surface="inclined"`` uses that length.
-Least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
+With ``surface="parallel"`` the length of the shear plane is d_u/sin(eta), as in (4.28). This is
+right for a surface parallel to the path. The real surface rises from the path at gamma, so a shear
+plane at eta meets it after the length d_u cos(gamma)/sin(eta - gamma). ``surface="inclined"`` uses
+this length. Least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
 
     R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
 
-and the shear plane comes out of the surface for every mu > 0, where (4.43) requires mu >=
-tan(gamma).
+with the specific cutting energy u. The shear plane then emerges from the surface for every mu > 0,
+while (4.43) requires mu >= tan(gamma).
 
 Stresses in Pa, angles in rad, mu > 0 and 0 <= gamma < pi/2; everything broadcasts.
 """

@@ -2,14 +2,15 @@
 2.19-2.65).
 
 The bristle, a slender rod of mass m and length L, stands at the angle gamma to the workpart's
-normal when its tip strikes. The hub (radius r_h) turns at omega and the bristle at R omega. The tip
-moves along one line,
+normal when its tip strikes. The hub (radius r_h) has the angular velocity omega, the bristle R
+omega. The tip moves along one line,
 
     v_C (cos gamma, -sin gamma),    v_C = L phi' + r_h omega                                                      (2.24)
 
-so slip and compression stop together, where phi' = -(r_h/L) omega. The generalized impulse L cos
-gamma dp_x - L sin gamma dp_y (2.27) changes the momentum m L^2/3 phi' (2.25) and, since friction
-opposes slip, is -L s_1 dp_y in compression and -L s_2 dp_y in restitution, with
+so slip and compression stop together, at the angular velocity phi' = -(r_h/L) omega of the bristle.
+The generalized impulse L cos gamma dp_x - L sin gamma dp_y (2.27) changes the momentum m L^2/3 phi'
+(2.25). Since friction opposes slip, this impulse is -L s_1 dp_y in compression and -L s_2 dp_y in
+restitution, with
 
     s_1 = sin gamma + mu_1 cos gamma,    s_2 = sin gamma - mu_2 cos gamma.
 

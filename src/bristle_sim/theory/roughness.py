@@ -115,7 +115,7 @@ def profile_measures(
 
 
 def _mean_spacing(profile: Array, least: float) -> float | None:
-    """Return the mean length of a profile's elements, in point distances; None if there is none.
+    """Return the mean length of a profile's elements, in point distances; None without an element.
 
     An element extends from one rise through the mean line to the next. It consists of a hill and a
     dale, whose extremes are at least ``least`` from the mean line (RSm of ISO 21920-2). The

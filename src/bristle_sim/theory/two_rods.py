@@ -137,7 +137,7 @@ class RodImpact:
             work: normal work of restitution, J; None in compression.
 
         Returns:
-            Whether the end is reached by a finite impulse.
+            Whether a finite impulse reaches the end.
         """
         for slips in (True, False) if self.velocity[0] else (False,):
             along, away = self.velocity
@@ -174,8 +174,8 @@ class RodImpact:
     def resolve(self, mu: float, restitution: float, later: float) -> str:
         """Resolve the impact and return the name of its outcome.
 
-        ``mu`` is the coefficient of friction in compression, ``later`` that in restitution, and
-        ``restitution`` the energetic coefficient of restitution.
+        ``mu`` and ``later`` are the coefficients of friction in compression and in restitution.
+        ``restitution`` is the energetic coefficient of restitution.
         """
         if not self.velocity[1] < 0.0:
             return "no contact"
@@ -198,7 +198,7 @@ def until_zero(speed: float, gain: float) -> float:
 
 
 def until_work(speed: float, gain: float, work: float) -> float:
-    """Return the further normal impulse that does a given normal work, N s.
+    """Return the additional normal impulse that does a given normal work, N s.
 
     It is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip (``speed``,
     m/s), its change v' per unit normal impulse (``gain``, 1/kg), and the work W (J).

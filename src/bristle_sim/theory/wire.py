@@ -1,8 +1,8 @@
 """Bending of a wire on a torsion spring at its root: natural frequencies of the beam, and of the
 chain of rigid links that approximates it.
 
-A uniform Euler-Bernoulli beam of length L, mass m and bending stiffness E I_a, hinged at a root
-that a torsion spring k_T holds and free at the other end, vibrates at omega = lambda^2 sqrt(E
+The beam is a uniform Euler-Bernoulli beam of length L, mass m and bending stiffness E I_a. Its root
+is hinged on a torsion spring k_T, and its other end is free. It vibrates at omega = lambda^2 sqrt(E
 I_a/(m L^3)), where lambda solves
 
     sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda) = (k_T L/(E I_a)) (1 + cos(lambda)
@@ -13,9 +13,9 @@ the cantilever.
 
 The chain consists of n equal rigid links of length l = L/n and mass m/n, hinged end to end with the
 torsion spring E I_a/l in each hinge. Unlike the beam, its first link does not bend at the root.
-With the root spring k_T the error of its frequencies is therefore of order 1/n. If half a link's
-bending is put in series with the root spring, 1/k = 1/k_T + l/(2 E I_a), the error is of order
-1/n^2. All quantities are in SI units.
+With the root spring k_T the error of its frequencies is therefore of order 1/n. If the bending
+compliance of half a link is added to that of the root spring, 1/k = 1/k_T + l/(2 E I_a), the error
+is of order 1/n^2. All quantities are in SI units.
 """
 
 from __future__ import annotations

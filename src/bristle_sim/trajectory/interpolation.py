@@ -50,17 +50,16 @@ POINTS = Range("points", "1", 0.0, 1e6, source="rounding: the memory of a drawin
 
 
 class Interpolation:
-    """Interpolates the motion of a run at any instant within it, to the highest order that its
-    samples support.
+    """Interpolates the motion of a run at any instant within it.
 
-    Angles and angular velocities follow a polynomial through up to eight samples around the
-    instant. The polynomial does not extend beyond the beginning or the end of a contact. Normal
-    force and energies follow cubic splines between two changes of contact, since their time
-    derivatives are not recorded.
+    The order is the highest that the samples allow. Angles and angular velocities follow a polynomial through up to eight samples around the
+    instant. The polynomial ends at the beginning and at the end of a contact. The normal force and
+    the energies follow cubic splines between two changes of contact, because their time derivatives
+    are not recorded.
 
-    The errors were measured on runs of accuracy 1e-6, at 3,000 random instants of each of nine
-    tools, against finely sampled runs of accuracy 1e-9. Angles agree within 4e-8 rad, and angular
-    velocities within 7e-7 of the largest one.
+    The errors were measured on runs of nine tools with accuracy 1e-6, at 3,000 random instants of
+    each run. The standard were finely sampled runs with accuracy 1e-9. Angles agree within 4e-8
+    rad, and angular velocities within 7e-7 of the largest one.
 
     Raises:
         ValueError: for a run whose samples all have the same instant.
@@ -162,7 +161,7 @@ class Interpolation:
     def _on_side(self, instants: Array, side: str) -> Array:
         """Return the instants (s) at which the motion is evaluated.
 
-        They are the given ones, or for the side ``before`` the next smaller numbers.
+        For the side ``after`` they are the given instants, for ``before`` the next smaller numbers.
         """
         if side == "after":
             return instants
@@ -194,8 +193,8 @@ class Interpolation:
 def _window(time: Array, piece: tuple[int, int], low: int) -> list[int]:
     """Return the indices of the samples through which the polynomial of an interval passes.
 
-    The samples lie on both sides of the interval, as far as its smooth section of the run has
-    samples at suitable distances.
+    The samples lie on both sides of the interval, within its smooth section of the run, if this
+    section has samples at suitable distances.
 
     Args:
         time: times of all samples, s.
@@ -228,8 +227,8 @@ def smooth_pieces(time: Array, kinks: Collection[int] = ()) -> Pieces:
     Args:
         time: times of all samples, s. Two samples at the same time, equal except for rounding
             error, mark a jump.
-        kinks: indices of the samples at which a derivative jumps, as where a sustained or compliant
-            contact begins or ends.
+        kinks: indices of the samples at which a derivative jumps, for example at the beginning and
+            the end of a sustained or compliant contact.
     """
     jumps = np.flatnonzero(np.diff(time) <= SAME_TIME * (time[-1] - time[0])).tolist()
     corners = [

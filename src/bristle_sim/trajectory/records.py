@@ -25,7 +25,7 @@ and y."""
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """An event and its time, s; its name is, for example, ``strike`` or ``bar touch``."""
+    """An event: its name, for example ``strike`` or ``bar touch``, and its time, s."""
 
     name: str
     time: float
@@ -62,9 +62,8 @@ class WireMotion(EqualByValue):
         time: the instants (s), shape (...).
         angles: absolute angle of each link (rad), shape (..., links).
         rates: absolute angular velocity of each link (rad/s), shape (..., links).
-        centre_line: corners of the wire's centre line from the root over knees and joints to the
-            tip, as (x, y) from the hub's centre (m), shape (..., corners, 2). Pictures draw these
-            points.
+        centre_line: corners of the wire's centre line (root, knees, joints and tip, in order), as
+            (x, y) from the hub's centre (m), shape (..., corners, 2). Pictures draw these points.
         centre_line_velocity: velocity of the same corners (m/s), shape (..., corners, 2).
     """
 
@@ -268,7 +267,7 @@ class ContactRecord:
 
     @property
     def outcome_in_words(self) -> str:
-        """The outcome as it stands in sentences and in the results of ``ensemble``.
+        """The outcome in the words of sentences and of the results of ``ensemble``.
 
         The outcome of an impact is *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays*
         or *jams*. Reverse slip and stick count only in phases with an impulse. For a sustained
@@ -284,13 +283,14 @@ class ContactRecord:
 
     @property
     def friction_magnification(self) -> float:
-        """Factor by which friction increases the normal impulse; it is large near the jam.
+        """Factor by which friction increases the normal impulse; it is large close to a jam.
 
-        The normal impulse p_n is divided by the normal impulse that would cause the same change of
-        the normal velocity without friction. An impulse p changes the velocity by dv = K p, with
-        the contact-space inverse mass matrix K; without friction the normal impulse is dv_n/K_nn.
-        For a rod of one degree of freedom K has rank one, and the factor is p_n dv_n/(p . dv). It
-        is 1 without friction, and infinite if the impulse points along the wire and moves nothing.
+        The normal impulse p_n is divided by the normal impulse that would cause the same change
+        dv_n of the normal velocity without friction. An impulse p changes the velocity by dv = K p,
+        with the contact-space inverse mass matrix K. Without friction the normal impulse is thus
+        dv_n/K_nn. For a rod of one degree of freedom K has rank one, and the factor is p_n dv_n/(p
+        . dv). It is 1 without friction, and infinite if the impulse points along the wire and moves
+        nothing.
         """
         normal, tangential = (
             after - before

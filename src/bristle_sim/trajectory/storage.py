@@ -1,7 +1,7 @@
 """Trajectory files: npz archives that hold arrays, and all other data as JSON.
 
-A file also holds a digest of its content. A file of any other kind, or with a changed content, is
-refused.
+A file also holds a digest of its content. A file of another kind, or one whose content has been
+changed, is refused.
 """
 
 from __future__ import annotations

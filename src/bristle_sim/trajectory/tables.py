@@ -39,9 +39,10 @@ def to_xarray(run: Any) -> xarray.Dataset:
     """Return all sampled quantities of a trajectory as an xarray Dataset, with units.
 
     The coordinate ``instant`` is the recorded time of each sample, s. The coordinate ``time`` is
-    the same, except that equal times are made distinct: each later one is increased to the next
-    floating-point number. ``time`` therefore increases strictly, as ``interp(time=...)`` requires.
-    That method interpolates linearly; ``Trajectory.at`` is of higher order.
+    the same, except that equal times are made distinct: the later of two equal times is increased
+    to the next floating-point number. ``time`` therefore increases strictly, as
+    ``interp(time=...)`` requires. ``interp`` is linear; ``Trajectory.at`` interpolates to a higher
+    order.
 
     Raises:
         ImportError: if xarray is not installed.

@@ -66,8 +66,7 @@ class Trajectory(Motion):
     def event_time(
         self, name: str, *, last: bool = False, before: float = math.inf
     ) -> float | None:
-        """Return the time (s) of the first or the last event of a name, or None without such an
-        event.
+        """Return the time (s) of the first or the last event with a name; None without such an event.
 
         Args:
             name: name of the event.
@@ -104,7 +103,7 @@ class Trajectory(Motion):
 
     @property
     def stop_advice(self) -> str:
-        """Advice on a change of parameters with which the run would not stop early.
+        """Advice on a change of parameters after which the run would not stop early.
 
         Where friction is the cause, the advice names the friction parameter of the obstacle that
         was touched last.
@@ -118,9 +117,9 @@ class Trajectory(Motion):
     def accuracy_not_reached(self) -> str:
         """A warning if the error estimate exceeds the requested accuracy more than a hundredfold.
 
-        The text is empty otherwise. If the estimate is valid for the whole run, the warning begins
-        with "accuracy not reached". The validity may end earlier: at chatter, or at a touch slower
-        than the error.
+        Otherwise the text is empty. If the estimate is valid for the whole run, the warning begins
+        with "accuracy not reached". The validity of the estimate may end earlier: at chatter, or at
+        a touch whose speed is smaller than the error.
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")
@@ -134,7 +133,7 @@ class Trajectory(Motion):
         )
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
-        """Return the first contact with an obstacle, or None without one.
+        """Return the first contact with an obstacle, or None if there is no such contact.
 
         ``obstacle`` is ``bar``, ``workpart`` or ``wire``.
 
@@ -170,8 +169,9 @@ class Trajectory(Motion):
         """Return a copy in which the contacts with bar and workpart have ``point`` and ``place``.
 
         The place is a corner of the centre line at the workpart, or the point of a straight segment
-        that is closest to the bar. Of these points it is the one with the smallest sum of its gap
-        and the distance by which its normal velocity would miss that of the record within the run.
+        that is closest to the bar. Of these points it is the one with the smallest sum of two
+        lengths. The first is its gap. The second is the difference of its normal velocity from that
+        of the record, times the duration of the run.
         """
         lines = self.centre_line @ (1.0, 1j)
         duration = float(self.time[-1] - self.time[0])
@@ -213,8 +213,7 @@ class Trajectory(Motion):
         return dataclasses.replace(self, contacts=tuple(contacts))
 
     def __repr__(self) -> str:
-        """Return a text with one line each for samples, strike, events, reason of the stop, and
-        cost.
+        """Return a text of one line each for samples, strike, events, stop reason and cost.
 
         If the requested accuracy was not reached, a further line states it.
         """
@@ -333,7 +332,7 @@ class Trajectory(Motion):
 
 
 def course_in_words(run: Trajectory) -> list[str]:
-    """Return three lines of text: the events, the reason of the stop, and the cost of the run."""
+    """Return three lines of text: the events, the stop reason and the cost of the run."""
     notable = run.notable_events
     events = ", ".join(
         f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN]
