@@ -257,6 +257,16 @@ def test_a_wire_leaves_a_thin_bar_just_before_it_points_at_the_bars_centre(numbe
         assert getattr(many, name) == pytest.approx(expected[name][0], rel=1e-6, abs=1e-6)
 
 
+def test_a_wire_that_leaves_the_bar_without_speed_does_not_touch_it_again():
+    """Its gap begins at -2e-16 and opens at a rate of 1e-16; the zero that follows is no touch."""
+    values = {key: float(each[3779]) for key, each in thin_bars(20_000, 502, 503).items()}
+    many = bs.ensemble(**values)
+    tool = bs.Tool().replace(**values)
+    run = bs.simulate(tool, bs.Settings(accuracy=1e-9), stop_after="strike")
+    assert many.error_estimate < 1e-8
+    assert many.lag_at_contact == pytest.approx(measured(tool, run)["lag_at_contact"][0], abs=1e-7)
+
+
 def test_the_strike_of_a_very_light_wire_is_located_to_rounding():
     """The period of a wire of 10 um is a thousandth of a radian of the hub; two accuracies find one lag."""
     values = {key: float(each[11927]) for key, each in thin_bars(12000, 73, 3).items()}
