@@ -108,7 +108,7 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return how much later than an instant the engine's velocities apply, in steps.
+        """Return the time by which the engine's velocities are later than an instant, in steps.
 
         The engine's velocities are those of half a step after the end of the step. ``time`` is the
         time from the instant to the end of the step.

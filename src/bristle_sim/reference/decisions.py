@@ -186,7 +186,7 @@ def _impact(
 
 
 def _set_foot(each: Compliant, touch: Touch, rounding: float) -> None:
-    """Determine whether the foot of a tangential spring sticks, or in which sense it slides.
+    """Determine whether the foot of a tangential spring sticks or slides, and the sense of slip.
 
     The foot is the end of the spring at the obstacle. If it sticks, it is moved so that the
     spring's force does not exceed the friction limit. ``rounding`` is the rounding error of a slip

@@ -175,7 +175,7 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
 
 
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
-    """Return whether a straight piece already touches an obstacle, so that it cannot touch it anew.
+    """Return whether a straight piece already touches an obstacle, so that no touch can occur.
 
     A contact of the bar at the end of the preceding piece counts as a contact of this piece too.
     """

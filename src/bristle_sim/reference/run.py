@@ -115,8 +115,8 @@ class Run:
     ) -> Event | None:
         """Record the motion in a step of the integrator, up to the first event if there is one.
 
-        An event function whose value at the start of the step is zero within rounding error is
-        taken to have the sign that it has before its event.
+        An event function that is zero within rounding error at the start of the step counts as
+        having the sign that it has before its event.
 
         Args:
             events: the possible events.

@@ -59,7 +59,7 @@ class System:
         self.duration = duration
         self.stiffness = stiffness
         self.sustained: list[Sustained] = []
-        # Gap (m) at which each corner left the workpart, by corner, while it is still in its dent.
+        # Dents by the index of the corner that is still in them: the gap (m) at the contact's end.
         self.dents: dict[int, float] = {}
         self.size = chain.hub_radius + chain.length
         self.fastest = chain.fastest_rate

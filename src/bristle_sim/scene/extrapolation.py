@@ -158,8 +158,8 @@ class Extrapolation:
 
     Args:
         tolerance: largest permitted error of an interval, in scene units.
-        repetitions: sequence of step numbers for motion with contacts. Time-symmetric steps, and
-            motion without contacts, have sequences of their own.
+        repetitions: sequence of step numbers for motion with contacts. Other sequences apply to
+            time-symmetric steps and to motion without contacts.
         longest: longest interval that is proposed. The first interval may be longer. Any interval
             may be a tenth longer, to avoid a short remainder.
         damped_step: longest step whose error estimate is reliable with damping.

@@ -1,8 +1,7 @@
-"""Building the scene of a bristle-blasting tool: from parameters in SI units to engine units.
+"""Building the scene of a bristle-blasting tool, in engine units, from parameters in SI units.
 
 The engine's tolerances are absolute, so results in SI units would depend on the size of the tool.
-Every scene therefore has units of its own, in which the quantities of an impact are of the order of
-1.
+The units of a scene are therefore chosen so that the quantities of an impact are of the order of 1.
 """
 
 from __future__ import annotations

@@ -106,10 +106,11 @@ def _search_hop(
     An interval longer than ``longest`` is first shortened to this length.
 
     Returns:
-        A pair, or a single None: The interval up to the end of the rebound, and the touch. (The
-            event is ``REST`` if the rebound is too low to follow.) The shortened interval and None,
-            if the link is outside the obstacle at its end. A single None, if the link is outside
-            the obstacle at the end of an interval that was not shortened.
+        One of three results:
+            The interval up to the end of the rebound, and the touch. (The event is ``REST`` if the
+            rebound is too low to follow.)
+            The shortened interval and None, if the link is outside the obstacle at its end.
+            None, if the link is outside the obstacle at the end of an interval not shortened.
     """
     integrate_to = interval.integrate_to
     shortened = interval.length > longest
@@ -164,10 +165,10 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
         pair: the pair, which is not in sustained contact.
 
     Returns:
-        A pair, or a single None:
+        One of three results:
             The interval up to the touch, and the touch.
             The interval up to a minimum of the gap, and None, if link and obstacle almost touch.
-            A single None, if the gap stays open or stays closed.
+            None, if the gap stays open or stays closed.
     """
     length = interval.length
     closest = partial(system.closest, pair)

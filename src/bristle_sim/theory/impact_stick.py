@@ -172,9 +172,10 @@ class EventFunction:
 
 
 def parabola_root(value: float, slope: float, most: float) -> float:
-    """Return the first positive root h of value + slope h - most h^2/2, or infinity without one.
+    """Return the first positive root h of value + slope h - most h^2/2.
 
-    ``value`` and ``most`` must be >= 0. The formula avoids cancellation.
+    The result is infinite if there is no such root. ``value`` and ``most`` must be >= 0. The
+    formula avoids cancellation.
     """
     root = math.sqrt(slope * slope + 2.0 * most * value)
     if slope < 0.0:
@@ -209,12 +210,12 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
 
     Args:
         contact: the contact, whose state the function changes.
-        jams: whether the function leaves a point with one degree of freedom where it is, if the
-            motion would drive it into the surface for ever. The event is ``NEVER``.
-        settles: whether the fast mode loses its energy, and the contact does not advance. The event
-            is ``SETTLED``.
-        balances: whether the phase of a point with one degree of freedom ends when the velocity of
-            its fast mode is zero, unless it has ended before. The event is ``BALANCED``.
+        jams: whether a point with one degree of freedom is not advanced if it would move into the
+            surface without end. The event is then ``NEVER``.
+        settles: whether the contact is not advanced, but only its fast mode loses its energy. The
+            event is then ``SETTLED``.
+        balances: whether the phase of a point with one degree of freedom ends, at the latest, when
+            the velocity of its fast mode is zero. The event is then ``BALANCED``.
 
     Returns:
         The event that ends the phase, and the phase's impulses and works.
@@ -281,8 +282,8 @@ def _first_event(
 ) -> tuple[float, Event]:
     """Return the time of the first event in stick, and the event.
 
-    Where the force reaches an edge of the friction cone, the sense of slip is set in the contact.
-    ``balance`` is the time at which the phase ends at the latest, or infinite.
+    If the force reaches the friction limit, the sense of slip is set in the contact. ``balance`` is
+    the time at which the phase ends at the latest, or infinite.
     """
     if balance == 0.0:
         return 0.0, Event.BALANCED

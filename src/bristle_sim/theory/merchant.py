@@ -18,7 +18,7 @@ this length. Least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever g
 with the specific cutting energy u. The shear plane then emerges from the surface for every mu > 0,
 while (4.43) requires mu >= tan(gamma).
 
-Stresses in Pa, angles in rad, mu > 0 and 0 <= gamma < pi/2; everything broadcasts.
+Stresses in Pa, angles in rad, mu > 0 and 0 <= gamma < pi/2; all arguments broadcast.
 """
 
 from __future__ import annotations

@@ -16,15 +16,15 @@ An impulse (dp_x, dp_y) on C changes the generalized momenta by (2.69)
     dT_1 = -cos theta_1 dp_x + sin theta_1 dp_y,    dT_2 = -2 cos theta_2 dp_x + 2 sin theta_2 dp_y.
 
 Friction makes dp_x = -mu sign(v_x) dp_y while C slips, so q is linear in p_y (2.74, 2.80, 2.98).
-Slip may stop before or after the end of compression; then C sticks, or slips the other way if mu <
-mu_bar (2.90). The impact ends when the normal work of restitution is W_r = -e*^2 W_c, with the work
-W_c of compression (2.87). ``two_rods`` solves the impact in the generalized speeds q.
-``impact.energetic_impact`` solves the same impact in the velocities of C. Each solution is a test
-of the other.
+Slip may stop before or after the end of compression. C then sticks, or slips in the opposite
+direction if mu < mu_bar (2.90). The impact ends when the normal work of restitution is W_r = -e*^2
+W_c, with the work W_c of compression (2.87). ``two_rods`` solves the impact in the generalized
+speeds q. ``impact.energetic_impact`` solves the same impact in the velocities of C. The two
+solutions test each other.
 
-Rates are negative where they bring the tip of a rod of positive inclination to the surface.
-ValueError is raised for an argument out of its range. Source beside Zhang: W. J. Stronge, Proc. R.
-Soc. Lond. A 431 (1990) 169-181.
+An angular velocity is negative if it moves the tip of a rod of positive inclination towards the
+surface. ValueError is raised for an argument out of its range. Source beside Zhang: W. J. Stronge,
+Proc. R. Soc. Lond. A 431 (1990) 169-181.
 """
 
 from __future__ import annotations
