@@ -1,9 +1,10 @@
 """The cost of accuracy: error against CPU time, compared with other packages on the same cases.
 
-Every method computes a release flight, a strike under each contact law, the strike of a double
-pendulum and a whole pass, at settings from coarse to fine. Errors are differences from closed forms
-or from a converged reference. Times are CPU times; all methods are timed in turn. The table
-compares our CPU time (simulated) with that of the cheapest peer (reference).
+Every method computes a flight after a release, a strike with each contact law, the strike of a
+double pendulum and a whole pass, with settings from coarse to fine. Errors are differences from
+closed forms or from a converged reference. Times are CPU times; all methods are timed in turn. The
+table compares the CPU time of this project (simulated) with that of the fastest other package
+(reference).
 """
 
 import sys

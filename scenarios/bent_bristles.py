@@ -3,8 +3,8 @@ retracts at once?
 
 All three pass the same bar and workpart at 2600 rpm. The strike is resolved in time over 0.1 ms,
 the dissertation's duration of a contact. In the dissertation's high-speed film the forward bent tip
-retracts at once, while the other two slide first. A wire of links strikes at the contact stiffness
-that would keep the rigid bristle in contact for contact_duration.
+retracts at once, while the other two slide first. The wire is a chain of links. The stiffness of
+its contact would keep the rigid bristle in contact for contact_duration.
 """
 
 import sys

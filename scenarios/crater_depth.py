@@ -1,9 +1,9 @@
-"""Crater depth: chapter 4's two estimates, each computed in two ways, and the depth by a contact
-simulated in time.
+"""Crater depth: chapter 4's two estimates, each computed in two ways, and the depth that follows
+from a contact simulated over time.
 
-Merchant's modified circle and the work-energy sum use the printed force and motion. The bristle's
-contact in the scene has force, path and energy of one event. The depths that follow from them are
-compared with the measured 130 um.
+Merchant's modified circle and the work-energy sum use the printed force and motion. The simulated
+contact gives force, path and energy of a single event. All depths are compared with the measured
+130 um.
 """
 
 import sys
@@ -23,7 +23,7 @@ def run(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Repor
 
 
 def plot(report: Report) -> Picture:
-    """Draw the depths by both estimates and from the simulated contact."""
+    """Draw the depths from both estimates and from the simulated contact."""
     from bristle_sim.render.measurement_figures import crater_figure
 
     return crater_figure(report.subject)

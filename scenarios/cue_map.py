@@ -1,8 +1,9 @@
 """Cue map: where must the bar stand?
 
-The bar moves around the hub at its distance, and each pass is simulated up to its strike. The
-direction at which the bristle strikes radially is a root, the direction of the highest tip speed a
-maximum. Both are compared with the dissertation's formula and with its printed position.
+The bar moves around the hub at constant distance from its centre, and each pass is simulated up to
+its strike. One search finds the direction at which the bristle strikes radially, another the
+direction of the highest tip speed. Both are compared with the dissertation's formula and with its
+printed position.
 """
 
 import sys

@@ -1,9 +1,10 @@
 """Cue timing: how well do the quasi-static cue formulas place the bar?
 
 The bristle is released from rest relative to the hub at the retraction angle, without a bar in the
-scene. The time to its highest relative speed, and the hub's turn in that time, determine the
-position of the bar, for each reading of the printed belt stiffness. Whole passes with the bar
-there, and with the bar at bar_horizontal and bar_vertical, show the strikes.
+scene. The time to the bristle's highest relative speed, and the angle by which the hub turns in
+that time, determine the position of the bar. This is done for each interpretation of the printed
+belt stiffness. Whole passes with the bar at this position, and at bar_horizontal and bar_vertical,
+show the strikes.
 """
 
 import math
@@ -35,7 +36,7 @@ def run(
     settings: Settings,
     compared: Comparison,
 ) -> Report:
-    """Release the bristle, and compare the cue with the formulas."""
+    """Release the bristle, and compare the bar position with that of the formulas."""
     from bristle_sim.studies.cue_timing import cue_timing, unplaced
 
     tool = Tool(

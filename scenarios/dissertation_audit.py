@@ -1,5 +1,5 @@
-"""The audit: every printed number and decidable statement of the dissertation's chapters 2 to 4,
-recomputed.
+"""The audit recomputes every printed number and checks every decidable statement of the
+dissertation's chapters 2 to 4.
 
 A number is reproduced if the computed number lies within half a unit of the last printed digit.
 Each number that differs is listed with its most likely reason. ``--set show=differs`` limits the

@@ -1,10 +1,10 @@
 """Every computed figure of the dissertation, and table 3.1, redrawn from the equations, with
 simulated points on top.
 
-If a figure's quantity can be simulated, the points are impacts in the scene, by the energetic law
-and resolved in time. Otherwise they are the printed equation with its printed numbers. The table
-states the distances of the points from the curves. ``--plot FOLDER`` writes one picture for each
-figure, ``--plot FILE.pdf`` one page; ``--only 2.24`` selects one figure.
+If a figure's quantity can be simulated, the points are simulated impacts, by the energetic law and
+with contacts resolved in time. Otherwise they are values of the printed equation with its printed
+numbers. The table states the distances of the points from the curves. ``--plot FOLDER`` writes one
+picture for each figure, ``--plot FILE.pdf`` one page for each. ``--only 2.24`` selects one figure.
 """
 
 import sys

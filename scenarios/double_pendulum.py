@@ -1,5 +1,5 @@
-"""Stronge's double pendulum: two hinged rods, the lower end strikes; slip stops, sticks or reverses
-on the way.
+"""Stronge's double pendulum: the lower end of two hinged rods strikes a surface, and its slip
+continues, stops or reverses during the impact.
 
 Final rates, impulses and the ratio of kinetic energies are compared with the closed form, for any
 mass ratio of the rods. The engine's own contact gains energy here; the energetic law never does.

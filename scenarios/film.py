@@ -1,10 +1,10 @@
 """Film and crater: which contact stiffness and wire damping would explain the measurements?
 
-Film and micrograph show one touch, some 50 us of compression and a crater 130 um deep. The
-stiffness of the contact (given as the duration of a rigid bristle's contact) and the damping of the
-wire were never measured. A map over both has passes of a straight wire of links, each followed for
-half a millisecond from its strike. The nearest pair is then tried with bent wires, other numbers of
-links and other friction.
+Film and micrograph show one touch, about 50 us of compression and a crater 130 um deep. The damping
+of the wire and the stiffness of the contact were never measured. The stiffness is specified by the
+duration of a rigid bristle's contact. Each point of a map over both is a pass of a straight wire of
+links, simulated until half a millisecond after its first touch. The pair nearest to the
+measurements is then tried with bent wires, other numbers of links and other friction.
 """
 
 import sys

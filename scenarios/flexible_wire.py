@@ -1,8 +1,8 @@
-"""The wire that bends: what does the rigid bristle overstate?
+"""The wire that bends: what does the model of a rigid bristle overstate?
 
-A straight radial wire of links turns without bending until its tip strikes. The contact has the
-finite stiffness that would keep the rigid bristle in contact for contact_duration. A strike of 50
-us is over before the bending wave reaches the root.
+A straight radial wire of links rotates without bending until its tip strikes. The stiffness of the
+contact would keep the rigid bristle in contact for contact_duration. A strike of 50 us is over
+before the bending wave reaches the root.
 """
 
 import sys

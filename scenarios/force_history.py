@@ -3,9 +3,9 @@ the scene.
 
 Both have the same compressive impulse and compression time; the peak force is the result. A
 measured force history replaces the curve with ``--set force_csv=FILE``, a file of columns. The
-contact is found on any clock and above any zero, and units are read from headings. ``time_column``
-and ``force_column`` choose among several columns, and ``force_per_volt`` is the sensitivity of a
-force recorded as a voltage.
+contact is found whatever the origin of time and the baseline of the force, and units are read from
+headings. ``time_column`` and ``force_column`` choose among several columns, and ``force_per_volt``
+is the sensitivity of a force recorded as a voltage.
 """
 
 import sys

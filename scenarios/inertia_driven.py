@@ -1,8 +1,8 @@
 """The inertia-driven tool: how fast is the tip of a bristle that no bar holds back?
 
-The wire arrives in translation on a straight belt and enters the pulley with the rate 0. It lags,
-the belt drives it back, and it passes the radial direction. How fast is its tip then, and how fast
-must the pulley turn for the tip speed of the bar-cued tool?
+The wire arrives in translation on a straight belt, so it does not rotate when it enters the pulley.
+It lags, the belt drives it back, and it passes the radial direction. How fast is its tip then? How
+fast must the pulley turn for the tip to be as fast as at the strike of the tool with a bar?
 """
 
 import sys
@@ -15,7 +15,7 @@ from bristle_sim.trajectory import Trajectory
 
 
 def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
-    """Let the wire enter the pulley, and compare its tip speed with that of the bar-cued tool."""
+    """Let the wire enter the pulley, and compare its tip speed with that of the tool with a bar."""
     from bristle_sim.studies.inertia_driven import inertia_driven
 
     return inertia_driven(tool, settings, with_reference=compared.reference == "yes")

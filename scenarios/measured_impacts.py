@@ -1,10 +1,10 @@
 """Measured impacts: the laws' predictions for spheres on glass and an ellipse on a floor, compared
 with the measurements.
 
-The points of the spheres are the published ones, and nothing is fitted. The rigid law is compared
-with a tangential spring whose stiffness follows from elasticity. With ``data`` each law is fitted
-to every second impact of the ellipse and predicts the other impacts; the best impulse at the
-contact point bounds the success of any law.
+For the spheres nothing is fitted to the published points. They are compared with the rigid law and
+with a law that has a tangential spring, whose stiffness follows from elasticity. If ``data`` is
+given, each law is fitted to every second impact of the ellipse and predicts the other impacts. No
+law can have a smaller error than the best impulse at the contact point.
 """
 
 import sys

@@ -1,9 +1,9 @@
 """Neighbours: from what spacing do the bristles of one plane touch each other, and what does a
 touch do to the strike?
 
-A row of bristles on one hub, each a pitch behind the bristle before it, is simulated together:
-wires touch each other, bar and workpart. Bristles that touch no other bristle repeat one pass, from
-which theory finds the least pitch.
+A row of bristles on one hub, each one pitch behind the one ahead, is simulated together. The wires
+may touch each other, the bar and the workpart. Bristles that touch no other bristle all perform the
+same pass, from which theory finds the least pitch.
 """
 
 import sys

@@ -1,8 +1,8 @@
 """The surface: which roughness does a tool make, and how many square metres an hour?
 
-The first crater follows from the strike's energy. Strikes fall where feed, bristles and planes
-place them, and every crater meets the earlier ones by a rule. The ground's roughness is measured as
-a profilometer does and compared with the measured one.
+The first crater follows from the strike's energy. The places of the strikes follow from feed,
+bristles and planes. A rule determines how a crater meets earlier craters. The roughness of the
+simulated ground is evaluated as by a profilometer and compared with the measured roughness.
 """
 
 import sys
@@ -23,7 +23,7 @@ def run(
 
 
 def plot(report: Report) -> Picture:
-    """Draw the height map, a profile, and how roughness and coverage grow."""
+    """Draw the height map, a profile, and the growth of roughness and coverage."""
     from bristle_sim.render.surface_pictures import surface_figure
 
     return surface_figure(report.subject)

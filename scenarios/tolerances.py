@@ -1,9 +1,9 @@
-"""Tolerances: which of them matters?
+"""Tolerances: which tolerance matters most?
 
-The tool's inputs spread about their values as parts, belts and hands do, and thousands of passes
-are simulated. The spread of the strike, and the inputs that cause it, are compared with first-order
-error propagation. A second list states the differences of printed from computed numbers that the
-rounding of the printed inputs explains.
+The tool's inputs vary about their values, as real parts, belts and handling do, and thousands of
+passes are simulated. The variation of the strike, and the inputs that cause it, are compared with
+first-order error propagation. A second list states which differences between printed and computed
+numbers the rounding of the printed inputs explains.
 """
 
 import sys
@@ -15,14 +15,14 @@ from bristle_sim.settings import Settings
 
 
 def run(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
-    """Simulate tools with spread inputs, and find the inputs that make the strike spread."""
+    """Simulate tools with varied inputs, and find the inputs that make the strike vary."""
     from bristle_sim.studies.tolerances import tolerances
 
     return tolerances(tool, spreads, sampling, settings)
 
 
 def plot(report: Report) -> Picture:
-    """Draw the spread of each output and its causes."""
+    """Draw the variation of each output and its causes."""
     from bristle_sim.render.sweep_figures import tolerance_figure
 
     return tolerance_figure(report.subject)

@@ -1,9 +1,9 @@
 """The whole tool: which forces does a hand bear, and what does a load cell under the workpart show?
 
-One bristle is simulated turn by turn until its motion repeats. The tool's forces are the sum over
-copies of it, one for each bristle, which must not touch each other. Torque and power are compared
-with the energy that a turn dissipates. The force on a load cell of finite bandwidth varies within a
-band.
+One bristle is simulated, revolution by revolution, until its motion repeats. The tool's forces are
+sums over copies of this motion, one for each bristle; the bristles must not touch each other.
+Torque and power are compared with the energy dissipated in a revolution. The force that a load cell
+of finite bandwidth shows varies within a band.
 """
 
 import sys

@@ -6,7 +6,7 @@ import sys
 def main() -> int:
     """Run the command and return its exit status.
 
-    An interrupt by the user, even while modules are being imported, ends in one line of output.
+    If the user interrupts the program, even during the import of modules, it prints a single line.
     """
     try:
         from bristle_sim.cli.command import main as command

@@ -28,13 +28,13 @@ class Quantity:
         name: name of the quantity.
         unit: unit of the quantity; "1" for a pure number.
         simulated: simulated value; None if absent.
-        theory: value of a closed form; None if absent.
+        theory: value that a closed form gives; None if absent.
         reference: value of the independent solution; None if absent.
         printed: value printed in the dissertation; None if absent.
         tolerance: largest relative difference that counts as agreement, or largest absolute
             difference if the compared value is 0. None if a difference is a result of the study,
             not an error.
-        label: name of the quantity in tables, with its symbol; by default ``name`` in words.
+        label: name of the quantity in tables, with its symbol; by default the words of ``name``.
     """
 
     name: str
@@ -57,7 +57,7 @@ class Quantity:
         """The value with which the simulated value is compared, preceded by the name of its source.
 
         The source is the first of ``reference``, ``theory`` and ``printed`` that has a value. The
-        result is None if none of them has.
+        result is None if all are absent.
         """
         known = ((name, getattr(self, name)) for name in JUDGES)
         return next((each for each in known if each[1] is not None), None)
@@ -77,7 +77,7 @@ class Quantity:
     def ok(self) -> bool | None:
         """Whether the difference from the compared value is within the tolerance.
 
-        The result is None without a tolerance or without a compared value. NaN is never within a
+        The result is None if there is no tolerance or no compared value. NaN is never within a
         tolerance.
         """
         if self.tolerance is None:
@@ -106,7 +106,7 @@ def rows(
     """Return one quantity for each name in ``units``, with its values from all sources.
 
     Args:
-        units: label and unit by name; with an empty label, the name in words is the label.
+        units: label and unit by name; if the label is empty, the words of the name are the label.
         simulated: simulated values by name.
         theory: values of closed forms by name.
         reference: values of the independent solution by name.
@@ -151,8 +151,8 @@ class Report:
     """The results of a scenario.
 
     Attributes:
-        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None if the question
-            is not about an impact.
+        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None if the scenario
+            has no impact.
         quantities: the compared quantities.
         phases: phases of the impact, in order.
         events: names and times (s) of events, in order.
@@ -160,7 +160,7 @@ class Report:
         steps: number of engine steps.
         remarks: sentences that explain the table.
         tables: further tables, besides the table of the quantities.
-        extra: entries of the JSON output that only this scenario has.
+        extra: further entries of the JSON output.
         subject: objects from which pictures are drawn.
         answer: answer to the scenario's question in one sentence, in customary units; empty if the
             computation was interrupted.
@@ -189,7 +189,7 @@ class Report:
         """Add the sentence on an accuracy that was not reached to the answer and the remarks.
 
         If the outcome is ``no contact``, the tolerances of agreeing quantities are removed. Without
-        a contact nothing has changed, so the agreement is no evidence.
+        a contact nothing has changed, so the agreement proves nothing.
         """
         if self.not_reached:
             if self.not_reached.startswith("accuracy not reached"):
@@ -230,7 +230,8 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
 
     Units have readable prefixes, and empty columns are omitted. If the table is still too wide, it
     has fewer digits. If necessary, the column of the independent solution is omitted, and then the
-    column of the tolerance. The column of differences names the source of the compared value.
+    column of the tolerance. The column of differences names the source of the values with which the
+    simulated ones are compared.
     """
     for layout in LAYOUTS:
         head, *lines = aligned(cells(quantities, *layout), (0, 1))
@@ -279,7 +280,7 @@ smaller value counts as zero."""
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
-    """Return a text on the quantity with the largest relative difference from a source.
+    """Return a text on the quantity whose simulated value differs most, relatively, from a source.
 
     An example is ``x 3 N, printed 4 N``. The text is empty if no quantity has both values.
 

@@ -1,7 +1,7 @@
 """Declarations of parameters: default, unit, range, meaning and source in one place.
 
-A declaration checks every value that enters a parameter object, whether from Python, a file or the
-command line. It also documents its field, and the key in a script's list of parameters.
+A declaration checks every value of its parameter, whether it comes from Python, a file or the
+command line. It also documents the field and the key in a script's list of parameters.
 """
 
 import dataclasses
@@ -79,15 +79,15 @@ class Declaration:
         return "none" if value is None else str(value)
 
     def read(self, given: Any) -> Any:
-        """Return the checked value of any object; None and ``none`` give None if it is optional."""
+        """Return the checked value of an object; None and ``none`` give None if it is optional."""
         absent = given is None or (isinstance(given, str) and given.strip() == "none")
         return None if absent and self.optional else self.parse(given)
 
     def check(self, value: Any) -> Any:
-        """Return a value after a check that it is a permitted text.
+        """Check that a value is a permitted text, and return it.
 
         Raises:
-            ValueError: if it is no text or empty, or if a file cannot be read.
+            ValueError: if it is empty or not a text, or if it names a file that cannot be read.
         """
         if isinstance(value, str) and value.strip():
             with suppress(OSError, ValueError):  # a name too long, a null character
@@ -98,7 +98,7 @@ class Declaration:
     parse = check
 
     def unusual(self, _value: Any, _given: Any) -> str:
-        """Return a warning that a value is unusual; empty for a usual value, and for every text."""
+        """Return a warning if a value is unusual; empty for a usual value, and for every text."""
         return ""
 
 
@@ -114,7 +114,7 @@ class Choice(Declaration):
         return " | ".join(self.options)
 
     def check(self, value: Any) -> str:
-        """Return a value after a check that it is one of the permitted words.
+        """Check that a value is one of the permitted words, and return it.
 
         Raises:
             ValueError: for any other value; the message names key, value and permitted words.
@@ -135,8 +135,8 @@ class Range(Declaration):
     Attributes:
         lowest, highest: ends of the range.
         lowest_allowed: whether the range includes its lower end.
-        usual: smallest and largest magnitude that cause no warning. If it is None, a magnitude from
-            1/100 to 100 times the default causes no warning.
+        usual: smallest and largest magnitude that cause no warning; by default 1/100 and 100 times
+            the default value.
         whole: whether the number must be whole; the value is then an int.
     """
 
@@ -165,7 +165,7 @@ class Range(Declaration):
 
     @property
     def display(self) -> tuple[str, float]:
-        """Customary unit, such as mm, or "" for a pure number; and its size in the declared unit."""
+        """Customary unit, such as mm, and its size in the declared unit; "" for a pure number."""
         return display_unit(self.key, self.unit)
 
     def displayed(self, value: Any) -> str:
@@ -182,7 +182,7 @@ class Range(Declaration):
         declared unit. A value that is not a text is checked without conversion.
 
         Raises:
-            ValueError: if the text is no decimal number, or its dimension or value is not permitted.
+            ValueError: if it is not a decimal number, or its dimension or value is not permitted.
         """
         if not isinstance(text, str):
             return self.check(text)
@@ -208,7 +208,7 @@ class Range(Declaration):
             typed: text from which the value was read; the message then shows this text.
 
         Raises:
-            ValueError: if it is no number in the range; the message names key, value and range.
+            ValueError: if it is not a number in the range; the message names key, value and range.
         """
         try:
             real = not isinstance(value, bool) and isinstance(value, Real)
@@ -233,7 +233,7 @@ class Range(Declaration):
         return above & (number <= self.highest) & (abs(number) < math.inf) & whole
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """Return the ValueError for a refused value; ``why`` follows the permitted range in it."""
+        """Return the ValueError for a refused value; ``why`` ends its message."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(
@@ -241,7 +241,7 @@ class Range(Declaration):
         )
 
     def unusual(self, value: Any, given: Any) -> str:
-        """Return a warning that a value is unusual, with the unit that may be meant, or "".
+        """Return a warning if a value is unusual, with the unit that may be meant; otherwise empty.
 
         Args:
             value: value in the declared unit.
@@ -323,7 +323,7 @@ class Declared:
         cls.__doc__ = "\n".join(lines)
 
     def __new__(cls, *_: Any, **given: Any) -> Any:
-        """Refuse a keyword argument that is no field, and suggest the most similar field."""
+        """Refuse a keyword argument that is not a field, and suggest the most similar field."""
         known = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
         for name in given:
             if name not in known:

@@ -1,4 +1,4 @@
-"""Fields of parameter classes, each declared in one text: range, unit, meaning and source."""
+"""Fields of parameter classes. One text declares the range, unit, meaning and source of a field."""
 
 import functools
 import math

@@ -1,4 +1,4 @@
-"""Writing of files that appear under their name only when they are complete."""
+"""Writes files that appear under their names only when they are complete."""
 
 import itertools
 import os
@@ -33,7 +33,7 @@ def named_path(path: object) -> Path:
 def checked_target(
     path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False
 ) -> Path:
-    """Return the path of a file or folder after a check that it can be written.
+    """Check that a file or folder can be written, and return its path.
 
     Args:
         path: name of the file or folder.
@@ -64,7 +64,7 @@ def checked_target(
 
 @contextmanager
 def complete_or_absent(target: Path) -> Iterator[Path]:
-    """Yield the name of a temporary file to write, which replaces the target when it is complete.
+    """Yield the path of a temporary file to write; when it is complete, it replaces the target.
 
     If an error occurs, the temporary file is deleted and the target stays unchanged. If the target
     is a symbolic link, the link is kept and the file to which it points is replaced. A pipe, a

@@ -1,4 +1,4 @@
-"""Reader of a measured force history in a text file of columns.
+"""Reads a measured force history from a text file with columns.
 
 A line of headings may come first. Lines that begin with # and blank lines are ignored. Columns are
 separated by tab, semicolon, comma or blanks. A comma may be the decimal sign if it does not
@@ -92,7 +92,7 @@ def read_force_csv(
         force_per_volt: calibration of a force that was recorded as a voltage, N/V.
 
     Raises:
-        ValueError: if the file has any other content; the message is one line that names the file
+        ValueError: if the file is not of this kind; the message is one line that names the file
             and, where possible, the number of the faulty line.
     """
     lines = [
@@ -203,13 +203,13 @@ def _chosen(
 
     Args:
         path: name of the file, for the message.
-        kind: ``time`` or ``force``.
-        key: heading or number of the column. None chooses the only column with a fitting unit. If
-            there is not exactly one, the time is in the first column, and the force in the only
-            column left.
+        kind: kind of the column, ``time`` or ``force``.
+        key: heading or number of the column. If it is None, the only column with a fitting unit is
+            chosen. If no or several units fit, the times are in the first column, and the forces in
+            the only other column.
         columns: columns from which to choose.
-        units: conversion factors of the fitting units. A column without a unit is taken to be in
-            the first one.
+        units: conversion factors of the fitting units. The first of them is assumed for a column
+            without a unit.
         otherwise: advice that the message adds if the unit does not fit.
 
     Raises:

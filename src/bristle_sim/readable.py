@@ -1,4 +1,4 @@
-"""Readable numbers and tables: units with prefixes, per cent, and aligned columns."""
+"""Readable numbers and tables: units with prefixes, percentages, and aligned columns."""
 
 import math
 from collections.abc import Container, Sequence
@@ -98,7 +98,7 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 def relative_text(value: float | None, sign: str = "") -> str:
     """Return a relative number as text.
 
-    The number is shown in per cent. Below 1e-4 it is shown as a power of ten, and from 10 on as a
+    The number is shown in per cent; below 1e-4 it is shown with a power of ten, and from 10 on as a
     multiple. If ``sign`` is ``+``, positive numbers have a sign.
     """
     if not value or not math.isfinite(value):

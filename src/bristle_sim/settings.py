@@ -1,4 +1,4 @@
-"""Numerical settings of a simulation, names of its events, and reasons for which it stops."""
+"""Numerical settings of a simulation, the names of its events, and the reasons why it may stop."""
 
 from __future__ import annotations
 
@@ -64,13 +64,13 @@ ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
 
 
 class StopReason(StrEnum):
-    """Reason for which a simulation stopped; its value is the text in messages and saved files.
+    """Reason why a simulation stopped. The value is the text in messages and saved files.
 
     Attributes:
-        remedy: sentence on the change of a parameter with which the simulation would not stop
-            there. In it, ``{friction}`` stands for the key of the friction coefficient of the
-            obstacle touched last.
-        gives_up: whether the method failed, so that the motion after the stop is missing.
+        remedy: sentence that states which change of a parameter would prevent this stop. In the
+            sentence ``{friction}`` stands for the key of the friction coefficient of the obstacle
+            touched last.
+        gives_up: whether the method failed, so that the motion after the stop is unknown.
     """
 
     remedy: str

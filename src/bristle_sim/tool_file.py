@@ -1,8 +1,8 @@
 """Reading and writing of a tool as a TOML file.
 
-The file has the keys of the option ``--set``, each with meaning and source in a comment. A value is
-a text with a unit, such as ``"27 mm"``, or a number in SI units, or in degrees if the key ends in
-``_deg``. ``bar = false`` leaves out the bar. An omitted key has its default.
+The file has the keys of the option ``--set``, each with its meaning and source in a comment. A
+value is a text with a unit, such as ``"27 mm"``, or a number in SI units, or in degrees if the key
+ends in ``_deg``. ``bar = false`` leaves out the bar. An omitted key has its default.
 """
 
 import json
@@ -29,8 +29,8 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, Any]:
         further: keys that may be in the file besides the keys of the tool.
 
     Returns:
-        Values by key, each a text or a number. If the file states that a part is absent, the name
-        of the part has the value False.
+        Values by key, each a text or a number. The name of a part that the file declares absent has
+        the value False.
 
     Raises:
         ValueError: in one line, for a file that is not TOML, an unknown key, or a table.
@@ -106,7 +106,7 @@ def write_tool(tool: Tool, path: str | Path) -> None:
 def _entry(declared: Declaration, value: Any) -> list[str]:
     """Return the lines of a file for one key: comment and value.
 
-    If the value is absent or computed from other keys, its line is a comment too.
+    If the value is absent or computed from other keys, its line is also a comment.
     """
     words = f"{declared.meaning} (default: {declared.source})"
     comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")

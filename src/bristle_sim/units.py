@@ -1,5 +1,5 @@
 """Numbers with units as users type and read them, conversion factors between units, and advice on
-mistyped words."""
+misspelt words."""
 
 import difflib
 import functools
@@ -80,7 +80,7 @@ def scaled(number: float, size: float) -> float:
 
 
 def exact_text(value: float, key: str, unit: str) -> str:
-    """Return a short text with a unit from which the value is read back exactly.
+    """Return a short text with a unit that is read back as exactly this value.
 
     Examples are ``27 mm`` and ``261.8 rad/s``. The text is in the customary unit. It is in the
     declared unit if that text is shorter, or if no text in the customary unit is exact.
@@ -128,9 +128,9 @@ def likely_unit(unit: str, to: str) -> str:
 
 
 def meant_unit(text: str, unit: str, typical: float) -> str:
-    """Return a unit in which a number typed without a unit may have been meant.
+    """Return a unit that may have been meant for a number typed without a unit.
 
-    In that unit the number lies within a factor of ten of ``typical``, a value in ``unit``. The
+    With that unit the number is within a factor of ten of ``typical``, a value in ``unit``. The
     result is empty if there is no such unit, or if the text already has a unit.
     """
     try:

@@ -1,1 +1,1 @@
-"""Benchmarks: the cost of accuracy, and stability in hard cases."""
+"""Benchmarks of the cost of accuracy, and of stability in hard cases."""

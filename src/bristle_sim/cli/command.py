@@ -108,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run_command(name: str, given: Sequence[str], program: str) -> int:
-    """Run a command that simulates passes of a tool, for example ``compare``; return the exit
+    """Run a command that simulates passes of a tool, for example ``compare``, and return the exit
     status.
 
     Args:
@@ -208,7 +208,7 @@ def _carry_out(
     """Run a scenario, write the requested files, print the answer, and return the exit status.
 
     Raises:
-        ValueError: for values that contradict each other, or are too extreme.
+        ValueError: for values that contradict each other or are too extreme.
         OSError: if a file cannot be written.
         KeyboardInterrupt: after an interruption. The results of finished parts are delivered.
     """
@@ -261,7 +261,7 @@ def _contents(
     command: str,
     report: Report,
 ) -> dict[str, Content]:
-    """Return the contents of the output files by option, in the order of writing.
+    """Return the contents of the output files by option, in the order in which they are written.
 
     Figure, film, tool file and report page are functions that write the file. CSV and JSON are
     texts. The film precedes the page, which shows it.

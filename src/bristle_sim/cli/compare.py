@@ -1,6 +1,6 @@
-"""``bristle-sim compare A.toml B.toml``: compares the passes of two tools.
+"""``bristle-sim compare A.toml B.toml`` compares the passes of two tools.
 
-A verdict in one sentence precedes the tables of the parameters and the quantities that differ.
+A one-sentence verdict precedes a table of the parameters that differ and a table of quantities.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:
 def _difference(a: float | None, b: float | None) -> str:
     """Return the difference (b - a)/|a| as text, in per cent or as a factor.
 
-    The text is empty if either value is missing, or if a is so much smaller than b that it is
+    The text is empty if either value is missing, or if a is so much smaller than b that a is only
     rounding error.
     """
     if a is None or b is None or abs(a) <= LEAST_PART * abs(b):

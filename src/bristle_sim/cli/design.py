@@ -1,6 +1,7 @@
-"""``bristle-sim design``: finds the tool whose pass has the wanted quantities.
+"""``bristle-sim design`` finds a tool whose pass attains target values of quantities.
 
-It varies parameters in given ranges, and prints the sensitivity of the quantities to them.
+It varies parameters in given ranges, and prints the sensitivity of the quantities to these
+parameters.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ OPTIONS = {
 
 
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
-    """Find a tool with the wanted quantities, print the answer, and write the requested files.
+    """Find a tool that attains the target values, print the answer, and write the requested files.
 
     Args:
         pass_of: the scenario that simulates a pass.
@@ -38,7 +39,7 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
         arguments: arguments of the command.
 
     Returns:
-        The exit status: 1 if the wanted quantities contradict each other, otherwise 0.
+        The exit status: 1 if the targets and limits cannot be met together, otherwise 0.
 
     Raises:
         ValueError: for bad input.
@@ -63,10 +64,10 @@ def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence
     )
     if not found.trade_off and "plot" in targets:
         del targets["plot"]
-        print_error("--plot: left out, as no two wants or limits conflict")
+        print_error("--plot: left out, as no two targets or limits conflict")
 
     def plot(target: Path) -> None:
-        """Draw the trade-off between two wanted quantities that contradict each other."""
+        """Draw the trade-off between two conditions that conflict."""
         from bristle_sim.render.style import save_figure
 
         save_figure(found.plot(), target)

@@ -24,7 +24,7 @@ def film(report: Report, **size: int) -> Film:
 
 
 def series(report: Report) -> Columns:
-    """Return the motion and forces of an impact against time.
+    """Return the motion and forces of an impact over time.
 
     The impact law must be one that resolves the contact in time.
     """
@@ -32,7 +32,7 @@ def series(report: Report) -> Columns:
 
 
 def contact_series(report: Report) -> Columns:
-    """Return the motion and forces of the contact that a force study simulated, against time.
+    """Return the motion and forces over time of the contact that a force study has simulated.
 
     Raises:
         ValueError: if there is no contact.

@@ -1,4 +1,4 @@
-"""``bristle-sim limits KEY=FROM:TO``: finds the values of a parameter at which the outcome changes."""
+"""``bristle-sim limits KEY=FROM:TO`` finds the values of a key at which the outcome changes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from bristle_sim.units import display_unit
 def main(pass_of: Scenario, parser: argparse.ArgumentParser, arguments: Sequence[str]) -> int:
     """Find the values of a parameter at which the outcome of the pass changes, and print them.
 
-    The values are also written as JSON if requested.
+    If requested, the values are also written as JSON.
 
     Args:
         pass_of: the scenario that simulates a pass.

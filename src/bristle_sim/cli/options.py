@@ -72,7 +72,7 @@ def deliver(
 
 
 def targets_of(options: argparse.Namespace, scenario: Scenario, values: Values) -> dict[str, Path]:
-    """Return the output files that the options name, by option, after all checks.
+    """Check the output files that the options name, and return them by option.
 
     Each file must be writable, and no file may be named twice, except a device such as /dev/null.
 
@@ -118,7 +118,7 @@ def targets_of(options: argparse.Namespace, scenario: Scenario, values: Values) 
 
 
 def _checked(name: str, path: str, scenario: Scenario) -> Path:
-    """Return the path of an option's file after a check that the file can be written.
+    """Check that an option's file can be written, and return its path.
 
     Args:
         name: name of the option.
@@ -157,7 +157,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def value_of(read: Callable[[str], Any]) -> Callable[[str], Any]:
-    """Return the function that reads an option's value and raises argparse's own error if it is refused.
+    """Return a function that reads an option's value, and raises argparse's error if it is refused.
 
     ``read`` raises ValueError for a refused value; its message begins with the option's name
     without dashes.
@@ -230,7 +230,7 @@ OPTIONS: dict[str, tuple[str, str, dict[str, Any]]] = {
 
 
 def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
-    """Add the options with the given names to a parser; :data:`OPTIONS` describes them."""
+    """Add the options with the given names, which :data:`OPTIONS` describes, to a parser."""
     for name in names:
         metavar, words, how = OPTIONS[name]
         parser.add_argument(f"--{name}", dest=name, metavar=metavar, help=words, **how)

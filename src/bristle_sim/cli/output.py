@@ -1,4 +1,4 @@
-"""Output of a scenario: text, JSON, CSV and progress; and an orderly end after a signal."""
+"""Output of a scenario as text, JSON and CSV, its progress, and an orderly end after a signal."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def progress(program: str) -> Iterator[None]:
 
 
 class _Progress(logging.Handler):
-    """Log handler that stores the last progress report of a computation, and prints warnings at
+    """Log handler that stores the latest progress report of a computation and prints warnings at
     once.
     """
 
@@ -83,7 +83,7 @@ class _Progress(logging.Handler):
             self.last = record.getMessage()
 
     def remind(self, ended: threading.Event) -> None:
-        """Print the elapsed time and the last report at intervals until ``ended`` is set.
+        """Print the elapsed time and the latest report at intervals until ``ended`` is set.
 
         Nothing is printed while a progress bar is shown.
         """
@@ -101,7 +101,7 @@ class _Progress(logging.Handler):
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
-    """Let a signal end a long computation by an exception while the context is active.
+    """While the context is active, let a signal end a long computation by an exception.
 
     The computation can then release its resources. SIGINT (Ctrl-C) raises KeyboardInterrupt;
     SIGTERM and SIGHUP raise SystemExit. If the caller has already set a handler of its own for a
@@ -160,7 +160,7 @@ def _try_again(number: int) -> None:
 def document(name: str, values: Mapping[str, Any], report: Report, **further: Any) -> str:
     """Return the results of a scenario as JSON, in SI units at full precision.
 
-    ``further`` are entries besides those of the report.
+    ``further`` are additional entries.
     """
     found = {
         "outcome": report.outcome,

@@ -49,7 +49,7 @@ class Scenario:
             simulates the given tool.
         defaults: default values that differ from those of the parameter classes, by key, each with
             its source.
-        without: keys that are not offered, because they have no effect on the answer.
+        without: keys that the script does not accept, because they have no effect on the answer.
         highest: upper limits below those of the parameter classes, by key, each with its reason.
         in_arrays: whether the quantities are those of a pass, so that a sweep may compute all
             points at once in arrays.
@@ -104,8 +104,8 @@ class Scenario:
         """Return the value of every parameter, by key.
 
         Args:
-            typed: texts or numbers in SI units, by key. The text ``none`` leaves out a parameter
-                that may be absent.
+            typed: texts or numbers in SI units, by key. The text ``none`` stands for the absence of
+                an optional parameter.
 
         Returns:
             The values. A parameter that is not set has its default.
@@ -146,9 +146,8 @@ class Scenario:
     def typed_in(self, path: str, option: str = "--parameters") -> tuple[dict[str, Any], list[str]]:
         """Read a tool's file for this scenario.
 
-        Some values in the file are those of the default tool. If they describe the wire's shape or
-        the law of impact, they are ignored, and the scenario uses its own defaults, for example a
-        bent wire.
+        A value in the file that equals the default tool's is ignored if it describes the wire's
+        shape or the law of impact. The scenario then uses its own default, for example a bent wire.
 
         Args:
             path: name of the file.

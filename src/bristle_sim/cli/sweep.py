@@ -1,6 +1,6 @@
-"""``--sweep KEY=FROM:TO:N``: runs a scenario for several values of one or two parameters.
+"""The option ``--sweep KEY=FROM:TO:N`` runs a scenario for several values of one or two parameters.
 
-The quantities are shown as table, JSON, CSV, lines or maps.
+The quantities are shown as a table, JSON, CSV, curves or maps.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ the values, each with the reason for its difference from print.
 
 A number counts as reproduced if the computed value lies within half a unit of the last printed
 digit. If a printed number was itself computed from rounded numbers, an allowance adds the effect of
-their rounding, and ``why`` says so. A statement in words holds or fails by a computed value.
+their rounding, and ``why`` says so. A computed value decides whether a statement in words holds.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class AuditRow:
 
 @dataclass(frozen=True, slots=True)
 class AuditView(Declared):
-    """The choice of rows, by status, that the table on the terminal shows.
+    """The choice, by status, of the rows that the table on the terminal shows.
 
     The JSON output always has all rows.
     """

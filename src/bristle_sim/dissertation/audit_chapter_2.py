@@ -1,6 +1,6 @@
 """Computed values for the audit of chapter 2 (Zhang 2020).
 
-They also serve the rows of chapters 1, 4 and 5 that print quantities of chapter 2.
+The rows of chapters 1, 4 and 5 that print quantities of chapter 2 also use them.
 """
 
 from __future__ import annotations
@@ -245,7 +245,7 @@ def compression_figures() -> Figures:
 def restitution_figures() -> Figures:
     """Return the computed values for section 2.3: the restitution phase of the bristle's impact.
 
-    In their remarks p_fy is the normal impulse at the end of the impact.
+    In the remarks p_fy is the normal impulse at the end of the impact.
     """
     stiction = float(stiction_friction(IMPACT_ANGLE))
     below_stiction = np.linspace(0.0, 0.42, 22)  # tan(23.4 deg) = 0.433
@@ -295,7 +295,7 @@ def heavy_rod(mass_ratio: float) -> pendulums.DoublePendulumImpact:
 def pendulum_figures() -> Figures:
     """Return the computed values for section 2.4: Stronge's single and double pendulums.
 
-    One more value is that of the general impact law at the operating point.
+    One more value follows from the general impact law at the operating point.
     """
     angles = np.radians([20.0, 40.0, 60.0, 80.0])
     bristle = monofilament_impact(1.0, 1.0, 0.0, 1.0, 1.0, angles, 0.31, 0.42).rebound_ratio

@@ -230,7 +230,9 @@ def cutting_figures() -> Figures:
 
 
 def plies_figures() -> Figures:
-    """Return the computed values for section 4.2.2: the crater depth by plies of equal time."""
+    """Return the computed values for section 4.2.2: the crater depth as a sum over plies of equal
+    time.
+    """
     buried = oblique_angles(0.31, IMPACT_ANGLE, check=False)
     under = 23.4 - math.degrees(buried.shear)
     rounded = 1e6 * float(crater.merchant_crater_depth(angles=PRINTED_ANGLES))
@@ -277,7 +279,7 @@ def plies_figures() -> Figures:
 
 
 def energy_figures() -> Figures:
-    """Return the computed values for section 4.3: the crater depth by work and energy."""
+    """Return the computed values for section 4.3: the crater depth from work and energy."""
     printed = energy_coefficients()
     unrounded = energy_coefficients(exact)
     initial = kinetic_energy(0, unrounded)

@@ -184,7 +184,7 @@ def constant_depth_figure() -> Redrawn:
 
 
 def energy_figure() -> Redrawn:
-    """Return figure 4.19: crater depth by work and energy, over the number of plies.
+    """Return figure 4.19: crater depth from work and energy, over the number of plies.
 
     The printed equation can be read as a sum of quotients or as a quotient of two sums. Each
     reading gives one curve.
@@ -242,7 +242,7 @@ def _over_time(
 
 
 def _depth(along: str, given: dict[str, Any], x: Any) -> Any:
-    """Return the crater depth (m) by Merchant's theory.
+    """Return the crater depth (m) that Merchant's theory gives.
 
     Args:
         along: name of the argument that varies.
@@ -253,7 +253,7 @@ def _depth(along: str, given: dict[str, Any], x: Any) -> Any:
 
 
 def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float:
-    """Return the crater depth (m) by the printed sum (4.57).
+    """Return the crater depth (m) that the printed sum (4.57) gives.
 
     ``impact_angle`` is in rad; ``changes`` are other crater parameters that differ from their
     defaults.
@@ -263,7 +263,7 @@ def _printed_sum(*, impact_angle: float = IMPACT_ANGLE, **changes: Any) -> float
 
 
 def merchant_sum(crater: Crater) -> float:
-    """Return the crater depth (m) by Merchant's relation as printed (4.57).
+    """Return the crater depth (m) that Merchant's relation gives as printed (4.57).
 
     The sum is over plies, the layers of the chip that are cut in equal time steps. The shear angle
     is that of least work.
@@ -276,7 +276,7 @@ def merchant_sum(crater: Crater) -> float:
 
 
 def _energy_sum(plies: int) -> float:
-    """Return the crater depth (m) by work and energy (4.58, 4.62-4.65), as a sum over plies.
+    """Return the crater depth (m) from work and energy (4.58, 4.62-4.65), as a sum over plies.
 
     The kinetic energy is that of the printed motion (4.6, 4.7).
     """
@@ -289,9 +289,9 @@ def _energy_sum(plies: int) -> float:
 
 
 def _friction(depth: float, impact_angle: float) -> float:
-    """Return the friction coefficient at which the crater has a given depth (m).
+    """Return the friction coefficient at which the crater has a given depth (m), or NaN.
 
-    It is at least the tangent of the impact angle. If no friction gives this depth, it is NaN.
+    It is at least the tangent of the impact angle. It is NaN if no friction gives this depth.
     """
     try:
         return float(friction_for_crater_depth(depth, impact_angle))
@@ -302,7 +302,7 @@ def _friction(depth: float, impact_angle: float) -> float:
 def _friction_of_printed_sum(depth: float, impact_angle: float) -> float:
     """Return the friction coefficient at which the printed sum (4.57) gives a crater depth (m).
 
-    The sum grows with friction, so that there is only one such coefficient.
+    The sum grows with friction, so there is only one such coefficient.
     """
 
     def excess(logarithm: float) -> float:

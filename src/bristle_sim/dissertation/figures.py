@@ -33,7 +33,7 @@ NUMBERS = tuple(_BUILDERS)
 
 
 def redrawn(number: str) -> Redrawn:
-    """Return the data of the figure or table with this number; its impacts are simulated now."""
+    """Return the data of the figure or table with a given number, after simulating its impacts."""
     return _BUILDERS[number]()
 
 
@@ -103,8 +103,8 @@ def _quantity(figure: Redrawn, source: str, distance: float) -> Quantity:
 def _answer(quantities: Sequence[Quantity]) -> str:
     """Return a sentence that says whether all points lie on their curves.
 
-    The sentence also names the points with the largest distance among those that need not lie on
-    their curve.
+    Of the points that need not lie on their curve, the sentence also names those with the largest
+    distance.
     """
     judged = [each for each in quantities if each.ok is not None]
     missed = [each.label for each in judged if not each.ok]

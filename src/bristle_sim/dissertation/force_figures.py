@@ -74,9 +74,9 @@ def fit_figure() -> Redrawn:
 def bristle_figure() -> Redrawn:
     """Return figure 3.3: the force on the bristle over time.
 
-    Curves are the printed formula and the ball's rescaled formula. Points are the mean forces of
-    the segments of table 3.1, and a simulated contact with the same compressive impulse as the
-    formula.
+    The curves are the printed formula and the ball's rescaled formula. The points are the mean
+    forces of the segments of table 3.1, and the forces of a simulated contact with the same
+    compressive impulse as the formula.
     """
     step = BRISTLE.peak_time() / SEGMENTS
     middles = step * (np.arange(SEGMENTS) + 0.5)
@@ -101,7 +101,7 @@ def bristle_figure() -> Redrawn:
 def table() -> Redrawn:
     """Return table 3.1: the impulses of ten equal time segments of compression.
 
-    Columns are the printed impulses, those by eq. (3.15), those by eq. (3.19), and those of a
+    The columns are the printed impulses, those that eq. (3.15) and eq. (3.19) give, and those of a
     simulated contact.
     """
     contact = bristle_contact(impulse=True)

@@ -2,7 +2,7 @@
 pendulum.
 
 The curves are the dissertation's formulas (Zhang 2020, chapter 2). Each point is one strike in the
-pymunk scene, by the contact law that gives the points their name.
+pymunk scene. The points are named after their contact law.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ class Sweep:
         words: second half of the figure's title, which follows the name of the quantity.
         along: argument that varies along a curve, from ``low`` to ``high``.
         family: argument that varies from curve to curve and takes the values ``values``.
-        until_stiction: whether a curve ends just before its friction reaches tan(gamma), at which
-            the tip sticks; gamma is the impact angle.
+        until_stiction: whether a curve ends just before its friction reaches tan(gamma), where
+            gamma is the impact angle. At this friction the tip sticks.
         has_hub: whether the hub has the radius of the operating point. Otherwise its radius is 0.
     """
 
@@ -273,7 +273,7 @@ def _curve(quantity: str, sweep: Sweep, case: Mapping[str, Any]) -> Curve:
 def _value(quantity: str, get: Callable[[str], Any]) -> Any:
     """Return the value of a quantity by its name.
 
-    ``get`` returns a value by name; it lacks the total work, which is the sum of the normal and the
+    ``get`` returns a value by name, except the total work, which is the sum of the normal and the
     tangential work.
     """
     return get(NORMAL) + get(TANGENTIAL) if quantity == TOTAL else get(quantity)
@@ -319,5 +319,5 @@ def impact_curve(
 
 @cache
 def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord:
-    """Simulate a strike by a contact law, and return its contact."""
+    """Simulate a strike with a contact law, and return its contact."""
     return strike(chain, surface, Contact(law), Settings()).contact

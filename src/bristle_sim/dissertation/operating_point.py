@@ -1,4 +1,4 @@
-"""The strike at the dissertation's operating point (Zhang 2020, chapter 2), by its closed form."""
+"""The closed-form strike at the dissertation's operating point (Zhang 2020, chapter 2)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ OPERATING_POINT: dict[str, Any] = {
 
 
 def operating_strike(**changes: Any) -> MonofilamentImpact:
-    """Return the impact at the operating point by its closed form.
+    """Return the closed-form impact at the operating point.
 
     ``changes`` replace arguments of ``monofilament_impact``.
     """

@@ -113,7 +113,7 @@ def _impact(
 
 @cache
 def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
-    """Return the double pendulum's impact by its closed form.
+    """Return the double pendulum's closed-form impact.
 
     Angles and angular velocities have the dissertation's signs, which are opposite to those of
     ``chain``.
@@ -129,7 +129,7 @@ def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
 def _curve(
     name: str, quantity: str, impact: Impact, x: Array, places: Mapping[str, Array]
 ) -> Curve:
-    """Return the curve of a quantity by its closed form, with points of simulated impacts.
+    """Return the closed-form curve of a quantity, with points of simulated impacts.
 
     The quantity is ``normal_final_impulse`` (N s), or ``final_rate_1`` or ``final_rate_2``, the
     angular velocity of a rod after the impact (rad/s). An angular velocity is negative in the

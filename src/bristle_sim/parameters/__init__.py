@@ -1,7 +1,7 @@
 """Parameters of the tool, its parts and the experiments, in SI units and radians.
 
-Every default names its source. The defaults of the tool are the operating point of "Zhang 2020": J.
-Zhang, *Analysis of Bristle-Tip Impact Crater for Wire Impact Tool*, PhD dissertation, Marquette
+Every default states its source. The defaults of the tool are the operating point of "Zhang 2020":
+J. Zhang, *Analysis of Bristle-Tip Impact Crater for Wire Impact Tool*, PhD dissertation, Marquette
 University, 2020.
 
 The hub's centre is the origin. The axis x runs along the workpart in the direction in which the tip

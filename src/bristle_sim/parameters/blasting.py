@@ -1,5 +1,5 @@
-"""Parameters of a blasted surface: its craters, where the strikes fall, the simulated area of the
-workpart ("ground"), and the roughness measurement.
+"""Parameters of a blasted surface: its craters, the places of the strikes, the simulated area of
+the workpart ("ground"), and the roughness measurement.
 """
 
 from dataclasses import dataclass

@@ -54,10 +54,9 @@ class Strike(Declared):
 class ContactStiffness(Declared):
     """Stiffness of the contact between tip and workpart, specified by the contact's duration.
 
-    The duration T is that of the contact of a rigid bristle without friction, if the bristle's
-    rotation during the contact is neglected. The tip then oscillates on the spring: compression
-    takes a quarter of a period. Restitution takes a quarter of a period on a spring that is 1/e*^2
-    times as stiff.
+    The duration T is that of the contact of a rigid, frictionless bristle whose rotation during the
+    contact is neglected. The tip then oscillates on the spring: compression takes a quarter of a
+    period. Restitution takes a quarter of a period on a spring that is 1/e*^2 times as stiff.
     """
 
     duration: float = quantity(
@@ -169,7 +168,7 @@ class Neighbours(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
-    """Choice whether a result is compared with the independent solution of the same problem."""
+    """Choice of whether a result is compared with an independent solution of the same problem."""
 
     reference: str = choice(
         "reference: whether the independent solution is computed too and judges the result"
@@ -253,7 +252,7 @@ class Spreads(Declared):
 class Sampling(Declared):
     """Number and seed of the samples from which a study computes sensitivity indices.
 
-    A study with d inputs simulates (d + 2) passes for each sample. The samples are points of Sobol
+    A study with d inputs simulates d + 2 passes for each sample. The samples are points of Sobol
     sequences with two dimensions for each input. The first points of a sequence are correlated in
     some pairs of dimensions. On a linear model with 13 inputs, the error of the indices was
     therefore up to 0.4 with 64 points, 0.2 with 128, 0.1 with 256 and 0.03 with 512. The samples

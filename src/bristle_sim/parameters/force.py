@@ -53,8 +53,7 @@ class ForceHistory(Declared):
     """Settings of the simulated contact whose force is compared with a given force curve.
 
     If ``speed_ratio`` is None, the simulated impulse up to the end of compression is made equal to
-    that of the curve. If ``compression_time`` is None, it is the time at which the curve has its
-    peak.
+    that of the curve. If ``compression_time`` is None, it is the time at which the curve peaks.
     """
 
     speed_ratio: float | None = quantity(
@@ -118,8 +117,7 @@ class FilmGrid(Declared):
     """Points of a map of contact duration and wire damping, and settings of a simulated high-speed
     camera.
 
-    The camera films one pass: that of the point of the map whose results are nearest to the
-    measurements.
+    The camera films the pass at the point of the map whose results are nearest to the measurements.
     """
 
     durations: int = count(

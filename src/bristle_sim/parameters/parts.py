@@ -91,8 +91,8 @@ class Bristle(Declared):
     """Slender wire, straight or with one knee.
 
     It is one rigid rod, or a chain of equal rigid links that bends at the joints. If no mass is
-    given, the mass is the density times the wire's volume. ``dataclasses.replace`` then computes
-    the mass anew, but preserves a mass that was given.
+    given, the mass is the density times the wire's volume. ``dataclasses.replace`` computes such a
+    mass anew, but preserves a mass that was given.
     """
 
     length: float = quantity(
@@ -208,7 +208,7 @@ class Bristle(Declared):
 
 
 def _bar_radius() -> float:
-    """Return the radius (m) of the bar for which the tip touches the bar at the printed retraction.
+    """Return the radius (m) of the bar at which the tip touches the bar at the printed retraction.
 
     The bar has the position printed in the dissertation.
     """

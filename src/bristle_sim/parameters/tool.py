@@ -219,7 +219,7 @@ class Tool(Declared):
 
 
 def checked_tool(tool: Any) -> Tool:
-    """Return a tool after a check that it is a ``Tool``.
+    """Check that an object is a ``Tool``, and return it.
 
     Raises:
         ValueError: for any other object; for a file name the message advises ``read_tool``.

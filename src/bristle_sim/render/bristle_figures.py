@@ -145,8 +145,8 @@ A label holds at all larger pitches."""
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
     """Return the pitches (deg) at which the strike of the row's last bristle is simulated.
 
-    A pitch is the angle between neighbouring bristles. The smallest puts the bristles close
-    together. At the largest no wires touch in the whole pass.
+    A pitch is the angle between neighbouring bristles. At the smallest pitch the bristles stand
+    close together; at the largest no wires touch during the whole pass.
     """
     least = [each.by_theory for each in row.least if each.by_theory is not None]
     if not least:
@@ -168,7 +168,8 @@ LEAST_SPAN = 0.02
 def neighbours_figure(
     row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]
 ) -> Figure:
-    """Draw a row of bristles at two times, and the strike of its last bristle over the pitch.
+    """Draw a row of bristles at two times, and quantities of its last bristle's strike over the
+    pitch.
 
     Args:
         row: the row of bristles.

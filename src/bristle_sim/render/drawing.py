@@ -1,4 +1,4 @@
-"""Drawings to scale in millimetres: the tool's parts, wires, arrows and a scale bar."""
+"""Drawings to scale, in millimetres, of the tool's parts and wires, with arrows and a scale bar."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def points_per_unit(axes: Axes) -> float:
 
 
 def add_arrows(axes: Axes, *colors: str) -> Quiver:
-    """Add one arrow for each colour; the arrows have no length yet.
+    """Add one arrow, without length at first, for each colour.
 
     The method ``set_offsets`` of the result places the arrows, and ``set_UVC`` sets their
     components.
@@ -105,7 +105,7 @@ def draw_wires(
     Args:
         axes: axes of the drawing, in mm.
         tool: the tool.
-        lines: points of the wires, shape (..., 2), m; they set the limits of the axes.
+        lines: points of the wires, shape (..., 2), m. They determine the limits of the axes.
         colors: colours of the wires.
         margin: width of the free border, as a fraction of the larger extent.
         radial: whether the radial line through each root is drawn.
@@ -120,7 +120,7 @@ def draw_wires(
 
 
 def draw_tool(axes: Axes, tool: Tool) -> None:
-    """Draw hub, bar and workpart with their names, in axes whose limits do not change any more.
+    """Draw hub, bar and workpart with their names, in axes whose limits are final.
 
     The hub is the circle on which the roots move, with an arrow in its sense of rotation. The bar
     or the workpart may be absent. The names have a white outline, so that they are legible on any
@@ -205,7 +205,7 @@ class WireDrawing:
         alpha: float = 1.0,
         radial: bool = False,
     ) -> None:
-        """Add the drawing to axes whose limits do not change any more.
+        """Add the drawing to axes whose limits are final.
 
         The wire is drawn to scale, plus half a point so that a thin wire is visible. ``radial``
         adds the radial line through the root.

@@ -82,7 +82,7 @@ def slow_motion(
     slower: float = 4.0,
     width: float = 0.04,
 ) -> TimeWarp:
-    """Return the map between run time and film time for a film that slows down at chosen times.
+    """Return the map between run time and film time of a film that is slower near chosen times.
 
     The slow-down at the run time t is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)).
     The t_i are the times ``focus``, and w = ``width`` (end - start). The factor s_0 gives the film
@@ -151,7 +151,7 @@ class Film(ABC):
             warp: map between the time of the run and the time in the film.
             width, height: size of the picture, px.
             colours: colours of the read-outs that follow time and slow-down.
-            clock: unit of the displayed time, by default ms.
+            clock: unit in which the time is displayed, by default ms.
         """
         if not (64 <= width <= 8192 and 48 <= height <= 8192):
             raise ValueError(

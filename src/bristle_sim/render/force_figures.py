@@ -32,9 +32,8 @@ BESIDE = 0.25
 def force_figure(comparison: ForceComparison) -> Figure:
     """Draw the contact force (N) over time (us).
 
-    The curve is the formula of chapter 3 or a fit to a measured force. Measured points and a
-    simulated contact are drawn if there are any. Of the simulated force, the resultant and its
-    components are drawn.
+    One curve is the formula of chapter 3 or a fit to a measured force. Measured points, and the
+    resultant and the components of a simulated force, are drawn if they exist.
     """
     curve = comparison.curve
     measured = comparison.measured
@@ -79,8 +78,9 @@ PASSES = 12  # number of consecutive passes of bristles in the second panel
 def whole_tool_figure(whole: WholeTool | None) -> Figure:
     """Draw the normal force of the whole tool on the workpart, and that of one bristle.
 
-    One panel shows sustained forces (N) and impulses of impacts (mN·s) of one bristle during a
-    revolution of the hub. The other shows the force (N) of all bristles that a load cell reads.
+    One panel shows the sustained forces (N) and the impulses of the impacts (mN·s) of one bristle
+    during a revolution of the hub. The other shows the force (N) of all bristles, as a load cell
+    measures it.
 
     Raises:
         ValueError: if ``whole`` is None, because the bristle completes no revolution.

@@ -1,7 +1,7 @@
 """Figure and film of a single impact.
 
-The figure shows the tip's velocity over the normal impulse: by the energetic law, and of a contact
-that is simulated in time. The film shows the rods to scale, the tip enlarged, and curves over time.
+The figure shows the tip's velocity over the normal impulse: by the energetic law, and in a contact
+simulated over time. The film shows the rods to scale, the tip enlarged, and curves over time.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ NARROWEST_NAMED = 0.09
 def impact_figure(impacts: Impacts) -> Figure:
     """Draw the tip's velocity components over the normal impulse during an impact.
 
-    Lines are the energetic law, and its phases are shaded. Crosses are a contact simulated in time,
-    if there is one.
+    Lines show the energetic law, whose phases are shaded. Crosses show a contact simulated over
+    time, if there is one.
     """
     surface = impacts.surface
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
@@ -141,8 +141,8 @@ class ContactMotion:
         vectors: vectors of the tip at these times, by name, of shape (2, samples): components
             normal to the surface and along it. They are ``velocity`` (m/s), ``force`` (N) and
             ``path`` (m), the displacement since the first touch.
-        phases: phases of the motion with their start times. The first is the arrival; then follow
-            phases of the impact such as ``compression slip``; the last is the outcome.
+        phases: phases of the motion with their start times: first the arrival, then the phases of
+            the impact, such as ``compression slip``, and last the outcome.
         touch_end: end of the contact, s.
     """
 

@@ -45,9 +45,9 @@ def measured_figure(compliance: float) -> Figure:
     """Draw the rebound of spheres over the angle of incidence, as measured and as computed.
 
     The panels show the ratio of tangential velocities, the spin and the rebound angle. Points are
-    measured. One curve is computed for a contact that is rigid along the surface, the other for an
-    elastic contact. ``compliance`` is the ratio of tangential to normal compliance of the elastic
-    contact.
+    measurements. One curve is computed for a contact that is rigid along the surface, the other for
+    a contact that is elastic along it. ``compliance`` is the ratio of tangential to normal
+    compliance of this contact.
     """
     figure = blank_figure(16.0, 7.2)
     angle = np.linspace(0.5, 62.0, 400)
@@ -88,7 +88,7 @@ def film_map_figure(film: FilmMap) -> Figure:
     """Draw a comparison of simulated strikes with a high-speed film.
 
     Maps show the number of touches, the compression time and the crater depth. Panels below them
-    show the pass that is nearest to the measurement, as the camera would film it.
+    show the pass whose results are nearest to the measurements, as the camera would film it.
     """
     figure = blank_figure(16.0, 12.5)
     above, below = figure.subfigures(2, squeeze=False).flat
@@ -190,7 +190,8 @@ def crater_figure(study: CraterStudy) -> Figure:
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
     """Return name, value (m) and colour of every estimate of the crater depth.
 
-    The estimate by the sum of work and energy is omitted, since it is of the order of millimetres.
+    The estimate from the sum of work and energy is omitted, since it is of the order of
+    millimetres.
     """
     looks = {
         "merchant_crater_depth": (f"Merchant, {study.crater.plies:g} plies", BLUE),

@@ -23,7 +23,7 @@ MARGIN = 0.05  # width of the free border of a summary's drawing, as a fraction 
 def plot(run: Trajectory, until: float | None) -> Figure:
     """Draw a run up to the time ``until``, s.
 
-    By default it is shortly after the tip has left the workpart.
+    If ``until`` is None, the figure ends shortly after the tip has left the workpart.
     """
     return pass_figure(run, run.tool, until=until)
 
@@ -48,7 +48,7 @@ def film(
 def view(run: Trajectory) -> Html:
     """Return an HTML frame for a notebook that shows the motion of a run with a slider.
 
-    The style of the frame does not affect the notebook's page.
+    The frame's style does not affect the notebook.
     """
     page = filled("report.html.jinja", alone=True, name="run", motion=motion_data(run, run.tool))
     look = 'style="width:100%;height:44rem;border:0" title="motion of the run"'
@@ -59,7 +59,7 @@ def summary_page(run: Trajectory) -> str:
     """Return the summary of a run as HTML, with a drawing to scale.
 
     The drawing shows the tip's path, and the wire at the strike or, without a strike, at the end of
-    the run. It shows the tool if the run has the parameters of one.
+    the run. The tool is drawn if the run has its parameters.
 
     Raises:
         ValueError: if these parameters do not describe a tool.

@@ -142,7 +142,7 @@ def _rows(course: Motion, tool: Tool) -> Rows:
 
 
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
-    """Return the events to mark up to the time ``until`` (s), numbered from 1.
+    """Return the events up to the time ``until`` (s) that are marked, numbered from 1.
 
     If the bristle starts away from the radial direction, the start is marked too, as number 0.
     """
@@ -218,7 +218,8 @@ def _list_events(
 ) -> None:
     """Write the numbers of the marked events above a panel, and list the events.
 
-    The list also has the velocities at the strike or, without a strike, why the run ended.
+    The list also states the velocities at the strike or, without a strike, the reason why the run
+    ended.
 
     Args:
         axes: empty axes that receive the list.

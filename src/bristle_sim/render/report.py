@@ -1,6 +1,6 @@
 """HTML pages that open without a network connection.
 
-They are the report of a scenario, a comparison of two passes, the motion of a run, and the
+The pages are the report of a scenario, a comparison of two passes, the motion of a run, and the
 interactive page of a tool.
 """
 
@@ -181,9 +181,9 @@ def _write(path: Path, template: str, **content: Any) -> None:
 
 
 def verdict(report: Report) -> str:
-    """Return a sentence with the number of compared quantities that are within their tolerance.
+    """Return a sentence that states how many compared quantities are within their tolerance.
 
-    The sentence names those that are not. It is empty if no quantity has a tolerance.
+    The sentence names the quantities that are not. It is empty if no quantity has a tolerance.
     """
     judged = [row for row in report.quantities if row.ok is not None]
     missed = [row.label for row in judged if not row.ok]

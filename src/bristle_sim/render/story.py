@@ -1,4 +1,4 @@
-"""The phases and events of a run that a picture names, with their captions."""
+"""The phases and events of a run that pictures name, with the captions."""
 
 from __future__ import annotations
 
@@ -64,9 +64,9 @@ def story_end(trajectory: Trajectory) -> float:
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
     """Return the events that figures label, in order of time; there are at most nine.
 
-    An event name may occur once up to the strike and once after the strike. Of several events with
-    the same name the first is labelled. Of several releases the last is labelled, since the earlier
-    ones end brief touches.
+    Each event name is labelled at most once up to the strike and once after it. Of several events
+    with the same name the first is labelled; of several releases the last, since the earlier ones
+    end brief touches.
 
     Args:
         trajectory: motion of the pass.

@@ -1,4 +1,4 @@
-"""The common look of pictures: colours, fonts, panels, readable units, and files.
+"""The common style of pictures: colours, fonts, panels, readable units, and files.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and
 pyplot is not imported. matplotlib's constrained layout places panels and legends. Sizes are printed
@@ -75,7 +75,7 @@ STRIKE_LOOKS: dict[str, tuple[str, str, float]] = {
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Apply the common style of figures. It is a context manager and a decorator."""
+    """Apply the common style of figures, as a context manager or a decorator."""
     with mpl.rc_context(_LOOK):
         yield
 
@@ -167,7 +167,7 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     Equal figures give identical files.
 
     Raises:
-        ValueError: if the suffix is another one or the folder does not exist.
+        ValueError: if the suffix is a different one or the folder does not exist.
     """
     target = checked_target(path, FIGURE_SUFFIXES)
     kind = target.suffix.lower().removeprefix(".")
@@ -181,7 +181,7 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
 
 
 def span_at_least(axes: Axes, fraction: float) -> None:
-    """Widen the range of the vertical axis to at least a fraction of its largest magnitude.
+    """Widen the range of the vertical axis, if necessary, to a fraction of its largest magnitude.
 
     Rounding error in a constant then does not look like scatter. The tick labels show full values
     instead of differences from an offset.

@@ -65,7 +65,7 @@ def surface_figure(made: BlastedSurface) -> Figure:
 
 
 def _strike_times(made: BlastedSurface, strikes: ArrayLike) -> Array:
-    """Return the time under the belt (s) at which the simulated area has received a number of
+    """Return the time under the belt (s) after which the simulated area has received a number of
     strikes.
     """
     part = made.blasting.track_width / made.blasting.ground_width

@@ -55,7 +55,7 @@ MANY = 60  # number of points from which on a line is drawn without marks at its
 def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
     """Draw the outcome and other quantities over one or two parameters, in one panel each.
 
-    Where a quantity has no value, a line has a gap and a map a white cell.
+    Where a quantity has no value, a curve has a gap, and a map has a white cell.
 
     Args:
         found: result of the sweep.
@@ -169,10 +169,10 @@ def tolerance_figure(study: Study) -> Figure:
 
 @styled()
 def trade_off_figure(found: Design) -> Figure:
-    """Draw the best compromises between two quantities whose wanted values conflict.
+    """Draw the best compromises between two quantities whose target values or limits conflict.
 
-    Marks show the wanted values and the nearest values that can be reached. Further panels show the
-    parameters of the compromises.
+    Marks show the target values or limits and the nearest values that can be reached. Further
+    panels show the parameters of the compromises.
     """
     curves = {name: Series(*QUANTITIES[name], found.trade_off[name]) for name in found.conflict}
     for key in found.varied:
@@ -204,8 +204,8 @@ MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work",
 def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> Figure:
     """Draw maps of four quantities of the strike over the bar's position.
 
-    The quantities are lag, tip speed, normal work of compression and crater depth. White cells are
-    positions at which the bar does not lead to a cued strike.
+    The quantities are lag, tip speed, normal work of compression and crater depth. A white cell is
+    a position of the bar that leads to no cued strike.
 
     Args:
         found: the study, with the bar positions to mark.

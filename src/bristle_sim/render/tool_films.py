@@ -28,8 +28,8 @@ and time shown after the last bristle's strike, as a fraction of the time shown 
 class ToolFilm(Film):
     """Film of a tool with one or several wires.
 
-    A single wire is shown with the path of its tip and the radial line through its root. Where
-    several wires touch each other, there are rings.
+    A single wire is shown with the path of its tip and the radial line through its root. Rings mark
+    the points at which several wires touch each other.
     """
 
     @styled()

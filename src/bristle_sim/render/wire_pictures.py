@@ -1,6 +1,6 @@
 """Figure and film of the strike of a wire that bends, compared with a rigid bristle.
 
-They show the contact force, quantities of the strike, and the bending wave in the wire.
+They show the contact force, the quantities of the strike, and the bending wave in the wire.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The cost of accuracy: error against CPU time, of this project's methods and of other packages.
+"""The cost of accuracy: error against CPU time for the methods of this project and of other
+packages.
 
 All methods solve the same cases. An attempt is one method with one setting, applied to one case.
 The module ``cases`` holds the cases with their exact answers. ``methods`` (this project, SciPy) and
@@ -16,7 +17,7 @@ from bristle_sim.fields import choice
 
 @dataclass(frozen=True, slots=True)
 class Effort(Declared):
-    """Options of the measurement: the effort, and the packages to be measured.
+    """Options of the measurement: the effort, and the packages to measure.
 
     ``quick`` effort measures fewer settings of each method, and fewer times, than ``full`` effort.
     """

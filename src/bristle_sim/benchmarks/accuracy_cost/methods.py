@@ -1,7 +1,7 @@
 """Attempts at the cases by this project and by SciPy's integrators.
 
-This project's are made by its public functions and by the time steppers that they use. SciPy's
-integrators have fast right-hand sides in plain Python.
+This project's attempts use its public functions, and the time steppers in them. SciPy's integrators
+have fast right-hand sides in plain Python.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def _flight_of_built_scene(case: Case) -> list[Attempt]:
     def plain(count: int) -> Run:
         """Integrate the flight in ``count`` equal engine steps.
 
-        The engine itself corrects position errors of the joints.
+        The engine itself corrects the position errors of the joints.
         """
         before = scene.steps
         scene.place(start)
@@ -187,7 +187,9 @@ def scipy_flight(case: Case) -> list[Attempt]:
         return flown(found.y[:, -1], found.nfev)
 
     def stepped(method: str, tolerance: float) -> Run:
-        """Integrate the flight by a compiled method of ``ode``, which counts no evaluations."""
+        """Integrate the flight by a compiled method of ``ode``, which does not count its
+        evaluations.
+        """
         calls = itertools.count()
 
         def counted(time: float, state: Any) -> list[float]:

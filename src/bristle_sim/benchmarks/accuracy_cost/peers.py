@@ -1,10 +1,11 @@
 """Attempts of heyoka and MuJoCo at the cases; each model is built before the timing.
 
 MuJoCo's model has the scene's units. The hub is a hinge with such a large inertia that its speed
-stays constant, and the belt is the stiffness of the bristle's hinge. Contacts in MuJoCo are soft:
-at an impedance near 1 the acceleration of the contact point is a = -b v - k r, with its velocity v
-and its penetration r. As k grows, this law approaches an inelastic bar. No setting returns the
-fraction e*^2 of the work of compression, so MuJoCo takes no part in the strikes.
+stays constant, and the belt is the stiffness of the bristle's hinge. Contacts in MuJoCo are soft.
+At an impedance near 1 the contact point has the acceleration a = -b v - k r, where v is its
+velocity and r its penetration. As k grows, this law approaches an inelastic bar. No setting returns
+a given fraction e*^2 of the work of compression in restitution, so MuJoCo does not compute the
+strikes.
 """
 
 from __future__ import annotations
@@ -111,7 +112,7 @@ def mujoco_pass(case: Case) -> list[Attempt]:
 class MujocoModel:
     """MuJoCo's compiled model of a tool: hub, bristle and bar.
 
-    The model has no workpart. The strike lies in the first step at whose end the tip is below the
+    The model has no workpart. The strike is in the first step at whose end the tip is below the
     workpart's surface.
     """
 

@@ -1,7 +1,8 @@
-"""Hard cases: tables of trials and promises, their common measures, and the report of the results.
+"""Hard cases: difficult simulations with the conditions ("promises") that their results must
+satisfy, and the report of the results.
 
-The choice of cases is declared here, so that the command line can refuse input before it loads an
-engine.
+The choice of cases is declared here, so that the command line can refuse bad input before it loads
+an engine.
 """
 
 from __future__ import annotations

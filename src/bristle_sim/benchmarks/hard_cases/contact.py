@@ -42,11 +42,11 @@ rest."""
 
 
 def chatter() -> Iterator[HardCase]:
-    """Yield cases of a wire that bounces ever faster on an obstacle until it lies on it.
+    """Yield cases of a wire that bounces on an obstacle, ever faster, until it lies there.
 
     Two wires on a stiff, damped belt bounce on the bar. Two hinged wires fall on the workpart. An
     impact multiplies the speed by the coefficient of restitution e. Each interval between impacts
-    is therefore about e times as long as the interval before.
+    is therefore about e times as long as the previous interval.
     """
     pressed = TOOL.replace(
         belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None

@@ -159,10 +159,10 @@ def jam() -> Iterator[HardCase]:
 
     The critical coefficient of friction of one rod is tan(gamma), where gamma is the angle between
     the rod and the normal. With at least this friction, a rod that is pulled over the surface does
-    not leave it (stiction), and the normal impulse does not stop a rod that is pushed (jam).
+    not leave it (stiction), and a rod that is pushed is not stopped by the normal impulse (jam).
 
-    Two rods have two critical coefficients. Above the first the tip, once its slip has stopped,
-    sticks. Above the second the slip drives the tip into the surface.
+    Two rods have two critical coefficients. Above the first, the tip sticks once its slip has
+    stopped. Above the second, the slip drives the tip into the surface.
     """
     for distance in (1e-3, 1e-9):
         strikes = [
@@ -257,9 +257,9 @@ def _touches(obstacle: str, depth: float) -> Finding:
     """Check that the gap is almost zero when the simulation reports the touch of a grazing tip.
 
     ``depth`` is the depth to which the tip's circle enters the obstacle, as a fraction of the
-    bristle's length. The exact gap follows from the circular path. The gap is checked and not the
-    time: the path meets the obstacle at an angle of the order of sqrt(depth), so that rounding
-    error costs half the digits of the time.
+    bristle's length. The exact gap follows from the circular path. The time is not checked, because
+    rounding error affects half of its digits: the path meets the obstacle at an angle of the order
+    of sqrt(depth).
     """
     tool = _dips(obstacle, depth)
     run = simulate(tool, Settings(accuracy=1e-10))

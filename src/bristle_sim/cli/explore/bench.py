@@ -1,4 +1,4 @@
-"""Simulations for the bench, the interactive page of a tool: from typed values to displayed
+"""Simulations for the bench, the interactive page of a tool. They turn typed values into displayed
 results.
 """
 

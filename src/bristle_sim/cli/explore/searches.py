@@ -96,7 +96,7 @@ def limits_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
 
 
 def design_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
-    """Find a tool whose pass has the wanted quantities, and return its parameters and a sentence.
+    """Find a tool whose pass attains the target values, and return its parameters and a sentence.
 
     The two parameters of the map are varied in the ranges of the map. ``on`` is the JSON text of
     ``map_of`` with a further entry ``want``.
@@ -114,7 +114,7 @@ def design_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
 
 
 def radial_bar(pass_of: Scenario, typed: Values) -> dict[str, Any]:
-    """Return the position of the bar with which the wire strikes radially, as texts by key.
+    """Return the position of the bar for which the wire strikes radially, as texts by key.
 
     In a radial strike, the line from root to tip has the radial direction. The distance of the bar
     from the hub's centre is not changed.

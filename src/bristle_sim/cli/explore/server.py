@@ -1,6 +1,6 @@
 """The web server of the bench, the interactive page of a tool.
 
-Each request carries all values of the page, so the server keeps no state of its users.
+Each request contains all values of the page, so the server keeps no values between requests.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Request(BaseHTTPRequestHandler):
     server: Server
 
     def handle(self) -> None:
-        """Answer the request; a browser that no longer waits for the answer is no error."""
+        """Answer the request. It is not an error if the browser no longer waits for the answer."""
         with contextlib.suppress(ConnectionError):
             super().handle()
 

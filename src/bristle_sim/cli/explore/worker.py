@@ -1,15 +1,15 @@
 """Processes that compute for the bench, the interactive page of a tool.
 
-A process of its own lets the server stop a computation, and a crash ends that computation alone.
+Separate processes let the server stop a computation, and a crash ends only that computation.
 
-Linear algebra runs in one thread in each process. The systems of equations of a run have three
-rows; several threads, which wait for each other, made a run take three times as long while a map
+Linear algebra runs in one thread in each process. The systems of equations of a run have only three
+rows. With several threads, which wait for each other, a run took three times as long while a map
 was computed.
 
 Server and process exchange pickled objects. The process reads computations, and requests to
 stop the present one, from its standard input. It writes its progress, a float, and its answer to
-its standard output. It ends when its input ends, and therefore with the server, however the server
-ends. It does not import the program that started the server, as a process of multiprocessing would.
+its standard output. It ends when its input ends, and thus with the server, however the server ends.
+Unlike a process of multiprocessing, it does not import the program that started the server.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ class Worker:
 
     def _end_after(self, seconds: float, reason: str) -> None:
         def end() -> None:
-            """End the process, which the running computation then reports."""
+            """End the process; the running computation then reports its end."""
             self.reason = reason
             self._process.kill()
 
@@ -137,10 +137,10 @@ def _end(process: Any) -> None:
 
 
 class Workers:
-    """The processes that compute for a server; one idle process is always started in advance."""
+    """The processes that compute for a server. One idle process is always started in advance."""
 
     def __init__(self) -> None:
-        """Begin without processes; the first request starts one."""
+        """Begin without processes. The first request starts one."""
         self._idle: list[Worker] = []
         self._running: dict[str, Worker] = {}
         self._lock = threading.RLock()
