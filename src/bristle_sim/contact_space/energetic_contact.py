@@ -28,8 +28,8 @@ class EnergeticContact:
     """Energetic restitution and Coulomb friction between collision types of a space.
 
     Args:
-        space: the pymunk space, in its own units. It can have one EnergeticContact, with any number
-            of pairs.
+        space: the pymunk space, in its own units. A space can have one EnergeticContact, with any
+            number of pairs.
         collision_type_a, collision_type_b: collision types of the shapes of the first pair.
         friction: Coulomb's coefficient of friction, >= 0.
         restitution: energetic coefficient of restitution, in [0, 1].

@@ -10,8 +10,8 @@ C^T that is orthogonal to the columns of M^-1/2 J^T gives
     K = (n, t)^T (n, t)    and    dV = M^-1/2 (n, t) p.
 
 The part of n that is also orthogonal to t is the motion in stick. Its square is the compliance in
-stick, K_nn - K_nt^2/K_tt. It is computed without the cancellation that occurs in this difference.
-Static and kinematic bodies have zero inverse mass.
+stick. This avoids the cancellation in the equal expression K_nn - K_nt^2/K_tt. Static and kinematic
+bodies have zero inverse mass.
 """
 
 from __future__ import annotations

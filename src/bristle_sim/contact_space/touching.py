@@ -241,8 +241,8 @@ class TouchingPoint:
             the instant of touch.
         time: time from the touch to the end of the step.
         approach: speed at which the two bodies approach each other along the normal at the instant
-            of touch. It is the initial speed of an impact. It differs from ``drift`` because of the
-            forces in the step.
+            of touch. An impact begins with this speed. The forces in the step make it differ from
+            ``drift``.
         speed: largest speed that either body has had at the point in this step. The rounding error
             of ``approach`` is proportional to it.
         impacts: number of impacts at the point so far.

@@ -1,12 +1,12 @@
 """A warning if shapes pass through each other within one step.
 
-The engine looks for contacts only at the ends of steps. It separates two shapes in the direction of
-least overlap. This is the right direction only while their centres have not passed each other. With
-the least widths a and b of the shapes and the approach speed v, a step of length h is short enough
-if v h <= (a + b)/2. A dynamic body that moves farther is followed along the straight line of its
-next step. It passes through a shape on this line if it does not touch the shape at the beginning
-and is beside or beyond the shape at the end. Other shapes are treated as at rest; rotation is
-neglected.
+The engine looks for contacts only at the ends of steps. The engine separates two shapes in the
+direction of least overlap. This is the right direction only while their centres have not passed
+each other. With the least widths a and b of the shapes and the approach speed v, a step of length h
+is short enough if v h <= (a + b)/2. A dynamic body that moves farther is followed along the
+straight line of its next step. The body passes through a shape on this line if it does not touch
+the shape at the beginning and is beside or beyond the shape at the end. Other shapes are treated as
+at rest; rotation is neglected.
 """
 
 from __future__ import annotations

@@ -43,9 +43,9 @@ def root(
     evaluations is therefore bounded.
 
     Args:
-        function: function whose roots are sought. Its arguments are one place in each of some
-            brackets, and the indices of these brackets. It returns its values and its derivatives
-            at the places; None stands for unknown derivatives.
+        function: function whose roots are sought. The first argument holds one place in each of
+            some brackets, the second the indices of these brackets. The function returns its values
+            at the places, and its derivatives or None.
         ends: lower and upper ends of the brackets.
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.

@@ -80,8 +80,8 @@ def ensemble(
 
     with the wire's mass m, length L and moment of inertia I about its root, the belt's stiffness
     k_T and damping c, the hub's radius r_h, angular velocity omega and angle psi, and gravity g.
-    While the wire lies on the bar, its angle follows from the geometry. It leaves the bar where the
-    normal force falls to zero. The method needs neither a physics engine nor a compiler.
+    While the wire lies on the bar, its angle follows from the geometry. The wire leaves the bar
+    where the normal force falls to zero. The method needs neither a physics engine nor a compiler.
 
     >>> import bristle_sim as bs
     >>> many = bs.ensemble(hub_speed=["2000 rpm", "2500 rpm", "3000 rpm"])

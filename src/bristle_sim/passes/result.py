@@ -67,9 +67,9 @@ class Ensemble(EqualByValue):
         final_bristle_rate: angular velocity of the wire after the strike, rad/s.
         error_estimate: estimate that holds for two errors at the strike. The first is that of the
             wire's angle (rad), the second that of its relative angular velocity divided by omega +
-            sqrt(k_T/I). The estimate includes the factor by which the impact magnifies an error. It
-            is 1 if an error as small as the accuracy could change the number of touches or the
-            outcome.
+            sqrt(k_T/I). The estimate includes the factor by which the impact magnifies an error.
+            The estimate is 1 if an error as small as the accuracy could change the number of
+            touches or the outcome.
         outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``,
             ``does not strike`` or ``refused``.
         reason: why a pass was refused, or why it has no strike, no release or no valid error

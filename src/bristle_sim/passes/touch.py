@@ -1,7 +1,7 @@
 """Impacts of many wires on the bar, and their motion on the bar up to the release.
 
-Geometry gives the motion of a wire that lies on the bar. It leaves the bar where the contact force
-falls to zero.
+Geometry gives the motion of a wire that lies on the bar. The wire leaves the bar where the contact
+force falls to zero.
 """
 
 from __future__ import annotations

@@ -169,9 +169,9 @@ class Run:
 
         The absolute tolerance of each unknown is the relative tolerance times a bound of that
         unknown. During a contact with springs, an error of an angle causes an error of the angular
-        velocity. It is the error of the angle times the angular frequency of the motion on the
-        springs. If this product would exceed the tolerance of the angular velocity, the tolerance
-        of the angle is reduced.
+        velocity. The latter is the error of the angle times the angular frequency of the motion on
+        the springs. If it would exceed the tolerance of the angular velocity, the tolerance of the
+        angle is reduced.
         """
         chain = self.system.chain
         size = self.system.size
@@ -209,7 +209,7 @@ class Run:
         """Return the time derivatives of all unknowns of the integration.
 
         The unknowns are the angles and angular velocities of the links, then the impulses and works
-        of the sustained contacts. So the derivatives of the latter are forces and powers.
+        of the sustained contacts. The derivatives of impulses and works are forces and powers.
         """
         instant = self.system.at(self._state(time, values))
         accelerations, pushes = instant.balance

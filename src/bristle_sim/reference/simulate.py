@@ -98,8 +98,8 @@ def simulate_reference(
         hub_turn: angle by which the hub turns in the run, rad. On a resting hub the run lasts three
             natural periods of the bristle.
         duration: duration of the run (s) in place of ``hub_turn``.
-        accuracy: relative accuracy of the motion. The integrator's tolerance is a hundredth of it,
-            but at least 1e-13.
+        accuracy: relative accuracy of the motion. The integrator's tolerance is a hundredth of
+            ``accuracy``, but at least 1e-13.
         stop_after: event that ends the run, as for the scene's ``simulate``. A touch ends the run
             just after the impact, or at the end of a contact that is resolved in time.
         sample_interval: time between samples, s; by default 1/64 of the bristle's natural period or
@@ -246,7 +246,8 @@ def _span(tool: Tool, request: Request, row: float) -> tuple[float, float]:
 class TooStiffError(ValueError):
     """Raised if the wire or its contact is too stiff for the explicit integrator.
 
-    It would then require more evaluations of the equations of motion than are permitted.
+    The integration would then require more evaluations of the equations of motion than are
+    permitted.
     """
 
 

@@ -41,8 +41,8 @@ class System:
     """One or several wires with their obstacles by name, their sustained contacts and their log.
 
     Contacts with the workpart are compliant if ``stiffness`` (N/m) or ``duration`` (s) is given.
-    ``duration`` is that of the first contact, at which the stiffness is computed from it. All other
-    contacts are rigid.
+    ``duration`` is that of the first contact; the stiffness is computed from it at that contact.
+    All other contacts are rigid.
     """
 
     def __init__(

@@ -3,8 +3,8 @@
 It contains only the effects that are requested. The engine's corrections of position errors are
 switched off, because they would feed position errors into the velocities. Joints are not pulled
 together (``error_bias`` 1). An interval of motion starts from bodies placed exactly on their
-joints. They drift off the joints within the interval; this drift is a smooth function of the step,
-so extrapolation to the step zero removes it. Touching shapes are not pushed apart
+joints. The bodies drift off the joints within the interval. This drift is a smooth function of the
+step, so extrapolation to the step zero removes it. Touching shapes are not pushed apart
 (``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
 
 Operations done thousands of times per simulation call the engine (Chipmunk) directly: a step
@@ -293,9 +293,10 @@ class Scene:
     def recover(self) -> None:
         """Remove numbers that are not finite from the engine after an overflow.
 
-        The joints are replaced by new ones without stored impulses, from which all further steps
-        would start. The bodies are placed, so that they have angles again when they are placed the
-        next time: the engine multiplies their old rotation by zero and adds it to the position.
+        The joints are replaced by new ones, which have no stored impulses from which a step would
+        start. The bodies are placed, which makes their rotations finite. Their positions become
+        finite when they are placed the next time, because the engine adds the old rotation times
+        zero to a position.
         """
         space = self.space
         springs = [each for each in space.constraints if each not in self.joints]

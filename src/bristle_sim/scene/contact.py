@@ -173,7 +173,8 @@ class ActiveContact(ClosedPair):
 class RigidContacts:
     """The rigid contacts of a smooth motion.
 
-    Their forces are solved for simultaneously with the joint forces. The motion ends when the normal force of a contact reaches zero.
+    Their forces are solved for simultaneously with the joint forces. The motion ends when the
+    normal force of a contact reaches zero.
 
     Attributes:
         scene: the scene.
@@ -205,8 +206,8 @@ class RigidContacts:
     def totals(self, step: float, *, symmetric: bool = False) -> list[float]:
         """Return the forces, impulses and work of all contacts in one list, ordered as in ``Sums``.
 
-        The normal force is that of the last step. If the contact would have had to pull in some
-        steps, it is instead the force in the last of these steps.
+        The normal force is that of the last step. If a contact would have had to pull in some of
+        the steps, its normal force is that of the last of these.
 
         Args:
             step: length of a step.
@@ -270,10 +271,10 @@ class RigidContacts:
     def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
         """Set the sense of slip of a new contact, which friction opposes.
 
-        It is the sign of the slip velocity if that velocity exceeds its error. Otherwise a contact
-        of one of several links sticks until its tangential force exceeds the friction limit. A
-        single link slips in the direction of its contact point's acceleration; if the acceleration
-        is zero too, the link is at rest.
+        The sense is the sign of the slip velocity if that velocity exceeds its error. Otherwise a
+        contact of one of several links sticks until its tangential force exceeds the friction
+        limit. A single link slips in the direction of its contact point's acceleration; if the
+        acceleration is zero too, the link is at rest.
 
         Args:
             state: the state at the touch.

@@ -1,6 +1,6 @@
 """The integrator of intervals without events: engine steps, extrapolated to the step zero.
 
-In a step the engine moves positions by the old velocities and then changes the velocities. Its
+In a step the engine moves positions by the old velocities and then changes the velocities. The
 error after an interval without events is therefore a smooth function of the step h, of first order.
 The interval is integrated repeatedly, with n = 4, 5, 6, 7 ... steps, and the results are
 extrapolated to h = 0 (Richardson; Bulirsch and Stoer 1966). Each repetition removes one power of h
@@ -126,8 +126,8 @@ class Repetitions:
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
     """Return the weights by which results for several steps are extrapolated to the step zero.
 
-    They are the values at h = 0 of the Lagrange polynomials in h^power for the nodes h = 1/n, where
-    n are the numbers of steps in ``counts``.
+    The weights are the values at h = 0 of the Lagrange polynomials in h^power for the nodes h =
+    1/n, where n are the numbers of steps in ``counts``.
     """
     return tuple(
         math.prod(n**power / (n**power - other**power) for other in counts if other != n)

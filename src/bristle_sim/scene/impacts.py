@@ -243,10 +243,10 @@ ENERGETIC = EnergeticLaw()  # the law of all contacts except those with the work
 class EngineLaw(ContactLaw):
     """The impact law of the physics engine, for comparison.
 
-    The engine solves iteratively for the impulses. Its ``elasticity`` is Newton's coefficient of
-    restitution. The tangential impulse is at most the coefficient of friction times the normal
-    impulse. The law has no phases and only one coefficient of friction. It may increase the energy
-    of bodies that are joined in a chain.
+    The engine solves iteratively for the impulses. A shape's ``elasticity`` in the engine is
+    Newton's coefficient of restitution. The tangential impulse is at most the coefficient of
+    friction times the normal impulse. The law has no phases and only one coefficient of friction.
+    It may increase the energy of bodies that are joined in a chain.
     """
 
     name = "engine"

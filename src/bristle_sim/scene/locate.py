@@ -306,7 +306,7 @@ def locate(
 ) -> float:
     """Return the time at which a function of the motion is zero.
 
-    It lies between two times at which the function has opposite signs.
+    The time lies between two times at which the function has opposite signs.
 
     The method is false position with the weights of Anderson and Bjorck. After ``MOST_LINES``
     evaluations, which a jump of the function requires, bisection follows. At the returned time the

@@ -316,7 +316,7 @@ def _after_spring_event(
 def _add_limit_error(system: System, spring: SpringContact) -> None:
     """Add the difference between a contact with a spring and the impact law to the run's error.
 
-    It is the largest difference of the angular velocities after the contact. It is added only if
+    The difference is the largest one of an angular velocity after the contact. It is added only if
     the contact represents the rigid-body limit.
     """
     if system.follows_law:

@@ -123,8 +123,8 @@ def simulate_row(
 ) -> tuple[Trajectory, ...]:
     """Simulate a row of bristles in one plane in pymunk.
 
-    They can touch each other, the bar and the workpart. All bristles start at the same instant,
-    radial and with the hub's angular velocity.
+    The bristles can touch each other, the bar and the workpart. All bristles start at the same
+    instant, radial and with the hub's angular velocity.
 
     Args:
         tool: the tool; every bristle has its parameters.
@@ -245,8 +245,9 @@ time c/k. For several links it is the number that damping or vibration requires 
 def samples_per_period(settings: Settings) -> int:
     """Return the least number of samples in a period of the bristle on its belt.
 
-    It is that of the settings. If they have none, it follows from the accuracy: the relative error
-    of cubic interpolation is h^4/384 for samples at intervals of h rad of the oscillation.
+    The number is that of the settings. If they have none, it follows from the accuracy: the
+    relative error of cubic interpolation is h^4/384 for samples at intervals of h rad of the
+    oscillation.
     """
     if settings.samples_per_period is not None:
         return settings.samples_per_period

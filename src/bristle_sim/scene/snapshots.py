@@ -105,7 +105,7 @@ def snapshots(
             for ``simulate``.
 
     Raises:
-        ValueError: as for ``simulate``. It is raised by the call itself for invalid input, and
+        ValueError: as for ``simulate``. The call itself raises it for invalid input. It is raised
             during the run if the contact law cannot resolve the first contact.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)

@@ -119,8 +119,8 @@ class WireVelocities:
     def set_back(self, state: State) -> State:
         """Return the closest state in which all contacts are closed and their gaps do not change.
 
-        It is found by Newton's method. The distance between states is measured by the mass matrix
-        M. With the Jacobian J of the contacts and their gaps g, the change of the angles is
+        The state is found by Newton's method. The distance between states is measured by the mass
+        matrix M. With the Jacobian J of the contacts and their gaps g, the change of the angles is
         -M^-1 J^T (J M^-1 J^T)^-1 g. The change of the angular velocities is the same expression,
         with the normal velocities instead of g. In contacts that stick the slip velocity is removed
         too.

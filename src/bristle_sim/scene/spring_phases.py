@@ -39,7 +39,7 @@ that is rounding error if the force exceeds the limit."""
 def begin_spring(
     system: System, motion: Motion, pair: ContactPair, press: float = 0.0
 ) -> SpringContact | None:
-    """Return the contact with a spring that a touch begins; None if the touch is an impact.
+    """Return the contact with a spring that begins with a touch; None if the touch is an impact.
 
     Args:
         system: the run.

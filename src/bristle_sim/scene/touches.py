@@ -48,11 +48,11 @@ OPENING = (
 )  # time in which the gap of a released pair must open, as a fraction of the sampling interval
 MOST_FASTER = 1.5
 """Ratio of the opening velocity of a gap at the end of the time ``OPENING`` to that at its start,
-above which a rebound that ends within this time is searched for."""
+above which the search for a rebound that ends within this time begins."""
 
 EARLIER = 0.7
-"""Ratio of a time to the next later one at which an open and closing gap is searched for. In a rebound
-of constant acceleration the gap closes in its second half, so from 0.5 of its duration on."""
+"""Ratio of a trial time to the next later trial time in the search for an open gap that closes. In
+a rebound of constant acceleration the gap closes in the second half of its duration."""
 
 LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, as a fraction of the interval
 MOST_HALVINGS = 40  # largest number of bisections of an interval, down to rounding error

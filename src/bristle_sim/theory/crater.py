@@ -223,9 +223,9 @@ def energy_crater_depth(
 ) -> Number:
     """Return the crater depth from energy, by a sum of quotients that grows with ``plies``, m.
 
-    It is cos(gamma) sum_i (dE_i/R_i) (Zhang 2020, eqs. 4.62-4.65). dE_i is the kinetic energy lost
-    in the time step i of ``plies`` equal steps, R_i the force at its end, gamma the impact angle
-    (rad).
+    The depth is cos(gamma) sum_i (dE_i/R_i) (Zhang 2020, eqs. 4.62-4.65). dE_i is the kinetic
+    energy lost in the time step i of ``plies`` equal steps, R_i the force at its end, gamma the
+    impact angle (rad).
 
     >>> print(f"{1e3 * energy_crater_depth(300):.2f} mm")  # 75.8 um are printed
     9.65 mm
@@ -242,8 +242,8 @@ def energy_crater_depth_ratio(
 ) -> Number:
     """Return the crater depth from energy, by a ratio of two sums that falls like 1/``plies``, m.
 
-    It is cos(gamma) (sum_i dE_i)/(sum_i R_i), as eq. 4.66 of Zhang (2020) is printed, with the
-    symbols of ``energy_crater_depth``. The sum of the energies converges, while the sum of the
+    The depth is cos(gamma) (sum_i dE_i)/(sum_i R_i), as eq. 4.66 of Zhang (2020) is printed, with
+    the symbols of ``energy_crater_depth``. The sum of the energies converges, while the sum of the
     forces is proportional to their number.
 
     With 5 plies it is the printed depth:
@@ -267,7 +267,7 @@ def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
 def work_along_path() -> float:
     """Return an upper bound of the work of the contact force in the dissertation's motion, J.
 
-    It is the integral of R v_C over the compression. R is the resultant force, which is not
+    The bound is the integral of R v_C over the compression. R is the resultant force, which is not
     parallel to the tip's path, and v_C is the speed of the tip.
     """
     time = 0.5 * COMPRESSION_TIME * (NODES + 1.0)

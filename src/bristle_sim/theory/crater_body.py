@@ -155,9 +155,9 @@ class SweptTip:
     def area(self) -> float:
         """Return the area of the crater's outline on a plane surface, m^2.
 
-        It is (cot(gamma) + cot(phi)) times the integral of depth - z_e(y) over y. gamma is the
-        impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's edge
-        above its lowest point.
+        The area is (cot(gamma) + cot(phi)) times the integral of depth - z_e(y) over y. gamma is
+        the impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's
+        edge above its lowest point.
         """
         last, sine, above = self._edge(self.depth)
         section = 2.0 * above * sine + self.face.full_depth * (last + sine * np.cos(last))
@@ -166,9 +166,9 @@ class SweptTip:
     def volume(self, depth: ArrayLike | None = None) -> Number:
         """Return the volume of the crater below the plane surface, m^3.
 
-        It is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y, with the
-        symbols of ``area``. If ``depth`` (m) is given, only the lowest layer of this thickness
-        counts.
+        The volume is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y,
+        with the symbols of ``area``. If ``depth`` (m) is given, only the lowest layer of this
+        thickness counts.
         """
         last, sine, above = self._edge(self.depth if depth is None else depth)
         full = self.face.full_depth

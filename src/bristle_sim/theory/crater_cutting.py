@@ -83,8 +83,8 @@ def swept_volume(
 
         V(S) = integral from 0 to S of b(s sin(gamma)) s tan(gamma) ds.
 
-    b is the width of the cut at a depth. It is constant where the cut is as wide as the wire. Above
-    that depth the substitution s = S u^2 makes the integrand smooth.
+    b is the width of the cut at a depth. The width is constant at depths at which the cut is as
+    wide as the wire. At smaller depths the substitution s = S u^2 makes the integrand smooth.
     """
     gamma = np.asarray(impact_angle)
     full = face.full_depth / np.sin(gamma)

@@ -2,9 +2,10 @@
 section 4.1, compression only).
 
 The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda
-t)) (4.1). It takes c_1 from a micrograph and lambda c_1 from the tip's speed. Everything else
-follows from the bristle's geometry. The printed constants carry the rounding of hand calculation.
-They are the defaults of CraterKinematics; ``of_tool`` computes them without rounding.
+t)) (4.1). The constant c_1 is taken from a micrograph, and lambda c_1 from the tip's speed.
+Everything else follows from the bristle's geometry. The printed constants carry the rounding of
+hand calculation. These constants are the defaults of CraterKinematics; ``of_tool`` computes them
+without rounding.
 """
 
 from __future__ import annotations
@@ -231,8 +232,8 @@ def path_force(time: ArrayLike) -> Number:
     The hub keeps its speed, so the force at the tip only changes the bristle's angular velocity
     about its root. The bristle's effective mass at the tip is I/L^2 = m/3, with the inertia I about
     the root, the length L and the mass m. The tip's speed v_C falls like e^(-lambda t), so the
-    force is (m/3) lambda v_C(t). It is largest at first touch, where the dissertation's own force
-    (3.19) is zero.
+    force is (m/3) lambda v_C(t). The force is largest at first touch, where the dissertation's own
+    force (3.19) is zero.
     """
     wire = Bristle()
     motion = PRINTED_KINEMATICS

@@ -2,9 +2,9 @@
 
 The bar releases the bristle when it lags its radial direction by the retraction theta_p. Seen from
 the hub's centre, the tip then lags the root by the angle A. The belt throws the bristle forward.
-The cue time t_c is the time from the release to the highest speed; in it the hub turns by theta_1.
-At its highest speed the bristle should touch the workpart radially, at the impact angle gamma. The
-bar must therefore stand at the angle A + theta_1 + gamma from the workpart's normal.
+The cue time t_c is the time from the release to the highest speed. In this time the hub turns by
+theta_1. At its highest speed the bristle should touch the workpart radially, at the impact angle
+gamma. The bar must therefore stand at the angle A + theta_1 + gamma from the workpart's normal.
 
 Between contacts, with alpha the bristle's angle relative to the radial direction,
 
@@ -287,8 +287,8 @@ class Cue:
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the bar's position by the dissertation's formulas, and the bristle's motion.
 
-    They include the belt's damping and neglect the centrifugal stiffness. ``retraction`` is that at
-    the release, rad.
+    The formulas include the belt's damping and neglect the centrifugal stiffness. ``retraction`` is
+    that at the release, rad.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     damping = tool.belt.damping_ratio
@@ -317,10 +317,10 @@ def field_stiffness(tool: Tool) -> float:
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
     """Return the bar's position for a bristle that is fastest at a given time after its release.
 
-    It stands at S sin(A + theta_1 + gamma) along the workpart and S cos(A + theta_1 + gamma) normal
-    to it (Zhang 2020, eq. 2.1), with the tip lag A, the hub's rotation theta_1 in the cue time and
-    the impact angle gamma. S is the tip's distance from the hub's centre plus the bar's radius plus
-    half the wire's diameter, which the dissertation neglects.
+    The bar stands at S sin(A + theta_1 + gamma) along the workpart and S cos(A + theta_1 + gamma)
+    normal to it (Zhang 2020, eq. 2.1), with the tip lag A, the hub's rotation theta_1 in the cue
+    time and the impact angle gamma. S is the tip's distance from the hub's centre plus the bar's
+    radius plus half the wire's diameter, which the dissertation neglects.
 
     Args:
         tool: the tool; it must have a bar and a workpart.

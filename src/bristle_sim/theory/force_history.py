@@ -123,9 +123,9 @@ class ForceCurve:
     def peak_time(self) -> float:
         """Return the time of the largest force, which is the end of compression, s.
 
-        At this time F' = 0 (Zhang 2020, eq. 3.6). It is the second root of sin(w (t + t_o) + phi) =
-        lambda offset/(swing sqrt(w^2 + lambda^2)) with tan(phi) = lambda/w, w = 2 pi/period, the
-        lead t_o and the decay rate lambda.
+        At this time F' = 0 (Zhang 2020, eq. 3.6). The time is the second root of sin(w (t + t_o) +
+        phi) = lambda offset/(swing sqrt(w^2 + lambda^2)) with tan(phi) = lambda/w, w = 2 pi/period,
+        the lead t_o and the decay rate lambda.
 
         Raises:
             ValueError: if the force does not rise and fall within the duration.

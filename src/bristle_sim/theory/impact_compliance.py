@@ -1,9 +1,9 @@
 """Impact at a point with a tangential spring in addition to the normal spring (Stronge).
 
 The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it returns e*^2 of the
-work of loading. The tangential spring has stiffness k/eta^2. Its foot is its end on the surface; it
-slides where the force T of the spring would exceed the friction limit, |T| <= mu N. With the
-inverse mass matrix K, dv = K (N, T) dt. The outcome depends on K, v, mu, e* and eta^2. The
+work of loading. The tangential spring has stiffness k/eta^2. The foot is the spring's end on the
+surface. The foot slides where the spring's force T would exceed the friction limit, |T| <= mu N.
+With the inverse mass matrix K, dv = K (N, T) dt. The outcome depends on K, v, mu, e* and eta^2. The
 stiffness k affects only the duration, and is set to 1. An impact is a sequence of phases
 (``impact_stick``, ``impact_springs``):
 
@@ -15,7 +15,7 @@ v_n'(p) p^2/2). It ends at a root of a polynomial: the foot stops, loading or un
 
 Loading ends where v_n = 0. With e* = 0 the contact ends there too, and the energy of both springs
 is lost. In unloading the coefficient of friction is mu_2. A tangential force T beyond the friction
-limit is reduced to it. A point that is pressed deeper than before loads the spring again, with
+limit jumps to the limit. A point that is pressed deeper than before loads the spring again, with
 mu_1. The works are those on the bodies; in stick they are -Delta N^2/(2 kappa) and -eta^2 Delta
 T^2/2. Springs begin and end without force, or lose their force, so energy never grows.
 

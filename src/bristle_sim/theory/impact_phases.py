@@ -288,7 +288,7 @@ def _phase(
     target: Target | None = None,
     end: End | None = None,
 ) -> _Phase:
-    """Advance the state to the end of slip, or of compression or restitution if it is earlier.
+    """Advance the state to the end of slip, unless compression or restitution ends before.
 
     With a ``target`` the phase belongs to restitution, otherwise to compression. If no finite
     impulse ends the phase, the state does not change. In restitution, slip may not drive the point

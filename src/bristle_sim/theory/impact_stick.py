@@ -8,8 +8,8 @@ with the velocity v, the normal and tangential force N and T, the inverse mass m
 1 in loading, 1/e*^2 in unloading. With D = diag(kappa, 1/eta^2), w = D^(1/2) v and G = D^(-1/2) (N,
 T) this is w' = S G, G' = -w, with the symmetric S = D^(1/2) K D^(1/2). In the axes of the
 eigenvectors of S the motion is that of two oscillators, the fast and the slow mode, with squared
-rates lambda_1 >= lambda_2 >= 0. Their product is det S = kappa/eta^2 K_tt (K_nn - K_nt^2/K_tt). The
-last factor, the compliance in stick, may be given to more digits than K holds.
+rates lambda_1 >= lambda_2 >= 0. The product of the squared rates is det S = kappa/eta^2 K_tt (K_nn
+- K_nt^2/K_tt). The last factor, the compliance in stick, may be given to more digits than K holds.
 
 Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. Loading ends where
 v_n = 0, and unloading ends where N returns to its largest value. These event functions are each a

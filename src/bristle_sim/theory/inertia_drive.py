@@ -2,8 +2,8 @@
 pulley.
 
 On the belt's straight run the bristle translates. Where the belt meets the pulley, the root begins
-to turn at the pulley's speed omega, but the bristle does not. With the angle alpha of the bristle
-from the radial direction, it thus starts at alpha = 0 with alpha' = -omega. It lags until the belt
+to turn at the pulley's speed omega, but the bristle does not. The bristle's angle alpha from the
+radial direction is therefore 0 at first, with alpha' = -omega. The bristle lags until the belt
 drives it back through the radial direction. Without damping and gravity the energy in the pulley's
 frame,
 

@@ -77,8 +77,8 @@ class CuttingAngles:
     def resultant_ratio(self) -> Number:
         """Ratio of the force tau_s b d_u to the resultant force R (Zhang 2020, eq. 4.20).
 
-        It is sin(eta) cos(eta + beta - alpha). tau_s is the shear yield stress, b the width and d_u
-        the uncut depth of the chip.
+        The ratio is sin(eta) cos(eta + beta - alpha). tau_s is the shear yield stress, b the width
+        and d_u the uncut depth of the chip.
         """
         return np.sin(self.shear) * np.cos(self.shear + self.resultant_angle)
 
@@ -86,8 +86,9 @@ class CuttingAngles:
     def cutting_ratio(self) -> Number:
         """Ratio of the force tau_s b d_u to the cutting force F_c (Zhang 2020, eq. 4.46).
 
-        It is sin(eta) cos(eta + beta - alpha)/cos(beta - alpha). tau_s is the shear yield stress, b
-        the width and d_u the uncut depth of the chip. F_c/(b d_u) is the specific cutting energy.
+        The ratio is sin(eta) cos(eta + beta - alpha)/cos(beta - alpha). tau_s is the shear yield
+        stress, b the width and d_u the uncut depth of the chip. F_c/(b d_u) is the specific cutting
+        energy.
         """
         return self.resultant_ratio / np.cos(self.resultant_angle)
 

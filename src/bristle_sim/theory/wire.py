@@ -2,8 +2,8 @@
 chain of rigid links that approximates it.
 
 The beam is a uniform Euler-Bernoulli beam of length L, mass m and bending stiffness E I_a. Its root
-is hinged on a torsion spring k_T, and its other end is free. It vibrates at omega = lambda^2 sqrt(E
-I_a/(m L^3)), where lambda solves
+is hinged on a torsion spring k_T, and its other end is free. The beam vibrates at omega = lambda^2
+sqrt(E I_a/(m L^3)), where lambda solves
 
     sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda) = (k_T L/(E I_a)) (1 + cos(lambda)
     cosh(lambda))/lambda.
