@@ -94,7 +94,7 @@ def map_figure() -> Redrawn:
             Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, h.penetration
         ),
     )
-    note = "a contact that stops a tip of 30 m/s in 50 µs needs a path of some 0.9 mm, three times that of (4.4a)"
+    note = "a contact that stops a tip of 30 m/s in 50 µs needs a path of about 0.9 mm, three times that of (4.4a)"
     return Redrawn("4.2", "force and motion during compression", panels, note)
 
 

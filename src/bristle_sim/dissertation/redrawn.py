@@ -133,8 +133,8 @@ class Panel:
         family: symbol of the quantity that varies from curve to curve.
         marks: marked points.
         levels: labelled straight lines.
-        top: upper end of the vertical axis (SI unit) where curves grow without bound. None shows
-            the whole curves.
+        top: upper end of the vertical axis (SI unit) for curves that grow without bound. None if
+            the whole curves are shown.
     """
 
     x: Axis

@@ -161,7 +161,7 @@ class Neighbours(Declared):
     )
     search: str = choice(
         "search: whether the least pitches are also determined by simulating rows"
-        " [chosen: it takes some twenty rows of two bristles]",
+        " [chosen: it takes about twenty rows of two bristles]",
         *("yes", "no"),
     )
 

@@ -55,8 +55,9 @@ MARKS: dict[str, Look] = {
 def bent_figure(bent: BentBristles) -> Figure:
     """Draw the strikes of straight and bent wires.
 
-    Panels show the wires at the strike (mm), the paths of their tips around the contact (mm), and
-    each tip's displacement along the workpart (mm) over the time since its first touch (us).
+    Panels show the wires at the strike, and the paths of their tips around the contact. A further
+    panel shows each tip's displacement along the workpart over the time since its first touch.
+    Lengths are in mm, times in us.
     """
     figure = blank_figure(16.0, 15.5)
     panels = figure.subplot_mosaic([["wires", "paths"], ["slides", "slides"]], width_ratios=(1, 2))

@@ -101,7 +101,7 @@ def slow_motion(
     """
     if not end > start:
         raise ValueError(
-            f"film of a run from {start:g} to {end:g}: a run that lasts some time is needed (in s)"
+            f"film of a run from {start:g} to {end:g}: must be a run of positive duration (in s)"
         )
     if not 0.0 < duration <= LONGEST_FILM:
         raise ValueError(

@@ -86,9 +86,7 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
         ValueError: if ``whole`` is None, because the bristle completes no revolution.
     """
     if whole is None:
-        raise ValueError(
-            "whole_tool: the bristle completes no turn, so that there is no force to draw"
-        )
+        raise ValueError("whole_tool: the bristle completes no turn, so there is no force to draw")
     figure = blank_figure(16.0, 11.4)
     turn, axes = figure.subplots(2, height_ratios=(2, 3))
     turn.set_title("one bristle on the workpart, in a revolution of the hub")

@@ -266,7 +266,7 @@ class ImpactFilm(Film):
     ) -> None:
         if "compliant" not in impacts.strikes:
             raise ValueError(
-                "contact: instantaneous with these values, so that there is no motion to film"
+                "contact: instantaneous with these values, so there is no motion to film"
             )
         struck = impacts.strikes["compliant"]
         self.motion = motion = contact_motion(struck.contact)

@@ -113,7 +113,7 @@ class CueTiming:
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
     """Return a bar of the same radius outside the bristle's reach.
 
-    A study that determines the bar's position starts with it.
+    A study that determines the bar's position starts from this bar.
     """
     away = hub.radius + 2.0 * (bristle.length + bristle.wire_diameter + bar.radius)
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)

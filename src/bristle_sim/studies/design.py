@@ -57,7 +57,7 @@ class Want:
     Attributes:
         name: name of the quantity.
         wanted: target value.
-        reached: value in the simulated pass of the designed tool; None without a strike.
+        reached: value in the simulated pass of the designed tool; None if there is no strike.
     """
 
     name: str

@@ -34,7 +34,7 @@ POPULATION = 256
 GENERATIONS = 30
 # Number of best points that are refined: of the sampled points, and of the evolved population.
 STARTS = 4
-# Step of a fraction in a finite difference. The truncation error is some 1e-10, as large as the
+# Step of a fraction in a finite difference. The truncation error is about 1e-10, as large as the
 # error of the passes.
 DIFFERENCE = 1e-5
 SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
@@ -44,12 +44,12 @@ PENALTY = 30.0
 NO_STRIKE = 1e6  # value that replaces the goal where a pass lacks the quantities
 MET = 1e-6  # largest deviation at which a condition counts as met, in standard deviations
 # Decimals of a parameter's fraction of its range. Further decimals are rounding error, by which an
-# unchanged parameter would change by some 1e-18.
+# unchanged parameter would change by about 1e-18.
 DIGITS = 12
 MOST_STEPS = 60  # largest number of iterations of a refinement
 CURVE_POINTS = 25
 # Weight of the conditions that a point on the curve of compromises must meet. Their deviation is
-# then some 1e-6 standard deviations.
+# then about 1e-6 standard deviations.
 STIFFNESS = 1e3
 
 Function = Callable[[Array], Array]
@@ -65,8 +65,8 @@ class Search:
     A condition is the target value of a quantity, or an upper limit; the target values come first.
     A point of the search is a set of parameters, each as a fraction of its range from 0 to 1. The
     objective is minimised among the points that meet all conditions. It is the quantity ``goal``,
-    or its negative, or, without a goal, the sum of the squared changes of the parameters from those
-    of ``tool``, as fractions of their ranges.
+    or its negative if that is maximised. If ``goal`` is empty, it is the sum of the squared changes
+    of the parameters from those of ``tool``, as fractions of their ranges.
 
     Attributes:
         tool: the tool that gives the values of all other parameters.

@@ -77,8 +77,8 @@ class FilmMap:
         grid: parameters of the map and of the camera.
         dampings: damping ratios of the wire's bending, one for each row of the map.
         durations: durations of a rigid bristle's contact (s), one for each column.
-        results: measures at all points of the map, by name; NaN without a strike.
-        nearest: row and column of the point whose measures come nearest to the measured values.
+        results: measures at all points of the map, by name; NaN if there is no strike.
+        nearest: row and column of the point whose measures are nearest to the measured values.
         tool: tool with the damping and contact duration of the nearest point.
         run: simulated pass of this tool.
     """

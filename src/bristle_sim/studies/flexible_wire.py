@@ -239,7 +239,7 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
     """
     if contact.history is None or contact.compressive_work is None:
         raise ValueError(
-            "speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches"
+            "speed_ratio, impact_angle_deg: must let the wire's end enter the workpart; it barely touches"
         )
     lost = -sum(contact.compressive_work)
     wire = strike.tool.bristle.wire_diameter

@@ -4,9 +4,9 @@ meets earlier craters.
 Every strike lowers the shape of one crater (``theory/crater_body.py``) until its deepest point is
 at a height z_0, and removes everything above the shape. The rules differ in z_0:
 
-- ``energy``: the shape comes down until the volume that it has cut from peaks and valleys is the
-  volume of a crater of the strike's depth on a plane, as if the energy per volume were constant.
-  The shape continues beyond the first crater's outline.
+- ``energy``: the shape comes down until it has cut, from peaks and valleys, the volume of a crater
+  of the strike's depth on a plane. The energy per volume is thus assumed constant. The shape
+  continues beyond the first crater's outline.
 - ``plane``: z_0 is the strike's depth below the original plane.
 - ``ground``: z_0 is the strike's depth below the mean height of the ground within the outline.
   Nothing outside of the outline is cut.
@@ -256,7 +256,7 @@ def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
         number *= math.sqrt(wanted / _avrami(min(max(reached, 1e-3), 1.0 - 1e-6)))
     if abs(reached - blasting.coverage) > COVERAGE_ACCEPTED:
         raise ValueError(
-            f"coverage = {blasting.coverage:g}: must be one that a feed gives, these places cover {reached:.4g}; try areal_ratio"
+            f"coverage = {blasting.coverage:g}: must be one that some feed gives; these places cover {reached:.4g}; try areal_ratio"
         )
     return found
 
@@ -280,7 +280,7 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
     """
     if not 0.5 <= strikes <= MOST_STRIKES:
         raise ValueError(
-            f"feed_speed, passes, areal_ratio: must make from 1 to {MOST_STRIKES:g} strikes on the ground, these make {strikes:.4g}"
+            f"feed_speed, passes, areal_ratio: must make from 1 to {MOST_STRIKES:g} strikes on the ground; these make {strikes:.4g}"
         )
     number = round(strikes)
     random = np.random.default_rng(blasting.seed)

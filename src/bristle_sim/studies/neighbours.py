@@ -96,7 +96,9 @@ def neighbours(
     """
     require_rigid(tool)
     if not tool.hub.speed:
-        raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
+        raise ValueError(
+            "hub_speed = 0: must be above 0, or the bristles do not follow one another (in rad/s)"
+        )
     if not tool.bristle.wire_diameter:
         raise ValueError("wire_diameter = 0: must be above 0, or no wires touch each other (in m)")
     roots = root_pitch(tool)

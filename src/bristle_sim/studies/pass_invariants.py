@@ -27,11 +27,11 @@ X_Y = np.array([1.0, 1j])
 # Tolerance of an invariant, divided by the requested accuracy. The square of an angular velocity
 # has twice its relative error, and the errors of two contacts and two flights add up.
 MAGNIFIED = 10.0
-# Smallest relative tolerance: energies are sums over some hundred intervals, each with an error of
+# Smallest relative tolerance: energies are sums over several hundred intervals, each with an error of
 # 1e-13.
 LEAST_TOLERANCE = 1e-9
 # Smallest relative tolerance with contacts that are resolved in time. Rounding error of the
-# penetration keeps their duration above some 1e-6 of the motion's time scale. Their difference from
+# penetration keeps their duration above about 1e-6 of the motion's time scale. Their difference from
 # the rigid-body limit is of the same size.
 LEAST_COMPLIANT_TOLERANCE = 1e-5
 # Largest time between contacts with bar and workpart that count as simultaneous, divided by the
@@ -207,10 +207,10 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
-    """Return by how much the first strike of a run violates the rigid-body impact law.
+    """Return the errors in the rigid-body impact law at the first strike of a run.
 
-    The keys are the names of the errors, as in :func:`invariant_rows`. The dictionary is empty if
-    the law does not apply to the strike.
+    The keys are those of :func:`invariant_rows`. The dictionary is empty if the law does not apply
+    to the strike.
     """
     strike = run.first_contact("workpart")
     part = tool.workpart

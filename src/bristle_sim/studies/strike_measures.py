@@ -75,7 +75,8 @@ def beside_radial(lag: float) -> str:
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
     """Return impulses, works and angular velocities of a contact, by name.
 
-    ``IMPACT`` lists the names and units. A quantity is None if the contact law does not compute it.
+    ``IMPACT`` lists the names and units. A quantity is None if there is no contact, or if the
+    contact law does not compute it.
     """
     if contact is None:
         return dict.fromkeys(IMPACT)

@@ -115,7 +115,7 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """
     strike = run.first_contact("workpart")
     if strike is None:
-        raise NotCuedError(f"the bristle must strike the workpart, it does not: {run.stop_reason}")
+        raise NotCuedError(f"the bristle must strike the workpart; it does not: {run.stop_reason}")
     found = dict(measures_of(tool, run))
     release = found["release_time"]
     if release is None:

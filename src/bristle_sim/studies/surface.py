@@ -214,7 +214,7 @@ def _own_strike(tool: Tool) -> Crater:
     speed = float(found.tip_speed_at_contact)
     if not math.isfinite(speed):
         raise ValueError(
-            f"tool: must strike the workpart, its wire {found.outcome} ({found.reason})"
+            f"tool: must strike the workpart; its wire {found.outcome} ({found.reason})"
         )
     rate = (speed - tool.hub.speed * tool.hub.radius) / tool.bristle.length
     angle = math.degrees(float(found.entry_angle_at_contact))

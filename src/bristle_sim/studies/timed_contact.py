@@ -296,5 +296,5 @@ def _adjusted(
         before = missing
         given[:free] *= np.exp(step)
     raise ValueError(
-        f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)"
+        f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far during the contact (in s)"
     )

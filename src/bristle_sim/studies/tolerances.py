@@ -8,10 +8,10 @@ others. For small spreads the standard deviation is that of first-order error pr
 Sobol indices divide the variance of every output y among the inputs x_i. The first-order index
 V(E(y|x_i))/V(y) is the fraction of the variance that would vanish if x_i alone were known. The
 total index E(V(y|all but x_i))/V(y) is the fraction that would remain if all other inputs were
-known. Both follow by Saltelli's estimate from two samples A and B of a scrambled Sobol sequence,
-and from A with one column at a time replaced by B's (``scipy.stats.sobol_indices``). Several
-sequences with independent scramblings are used; the scatter of their estimates gives the confidence
-intervals.
+known. Saltelli's method estimates both from two samples A and B of a scrambled Sobol sequence, and
+from copies of A in which one column is replaced by that of B (``scipy.stats.sobol_indices``).
+Several sequences with independent scramblings are used; the scatter of their estimates gives the
+confidence intervals.
 """
 
 from __future__ import annotations
@@ -193,7 +193,7 @@ def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
                 min(bounds.highest, middle + half_width),
             )
     if not found:
-        raise ValueError("spread_...: at least one must be more than 0, or nothing is spread")
+        raise ValueError("spread_...: at least one must be more than 0, or nothing varies")
     return found
 
 

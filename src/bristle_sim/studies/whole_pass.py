@@ -155,7 +155,7 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
     for name, value in referred.items():
         if value is not None:
             unit = QUANTITIES[name][1]
-            # Angles are differences of two of some radians, the relative speed one of rates of the
+            # Angles are differences of two of a few radians, the relative speed one of rates of the
             # hub's size.
             size = math.degrees(1.0) if unit == "deg" else 0.0
             if name == "relative_speed_at_contact":

@@ -35,7 +35,7 @@ MOST_TURNS = 24
 # state is the bristle's angle relative to the hub, and its angular velocity divided by its natural
 # angular frequency.
 REPEATED = 1e-9
-# Error of a revolution, divided by the requested accuracy. A revolution has some ten flights and
+# Error of a revolution, divided by the requested accuracy. A revolution has about ten flights and
 # contacts, each with an error of ten times the accuracy.
 MAGNIFIED = 100.0
 # Smallest relative tolerance. Splines through 150, 300 and 600 samples a period integrate the
@@ -96,7 +96,7 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
         ValueError: if the hub is at rest, or a run exceeds the step budget.
     """
     if not tool.hub.speed:
-        raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
+        raise ValueError("hub_speed = 0: must be above 0, or the hub makes no turn (in rad/s)")
     least = max(REPEATED, MAGNIFIED * settings.accuracy)
     stiffness = tool.belt.stiffness + field_stiffness(tool)
     natural_rate = max(math.sqrt(stiffness / tool.bristle.inertia_about_root), tool.hub.speed)
@@ -207,7 +207,7 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
         ValueError: if the bristle completes no revolution.
     """
     if whole is None:
-        raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
+        raise ValueError("whole_tool: the bristle completes no turn, so there is no force to show")
     times = whole.period * np.arange(INSTANTS) / INSTANTS
     pushes = [each for turn in whole.forces for each in turn if each.obstacle == "workpart"]
     shown = load_cell_response(pushes, whole.period, whole.assembly.bandwidth, times)

@@ -34,7 +34,7 @@ from bristle_sim.studies.sweep_point import THREADS
 TIME_LIMIT = 60.0
 """Time (s) after which a computation is ended.
 
-A pass of the default tool takes 0.05 s to simulate, a pass of a wire of four links some seconds."""
+A pass of the default tool takes 0.05 s to simulate, a pass of a wire of four links several seconds."""
 
 GRACE = 3.0  # time, s, in which a stopped computation must end; then its process is ended
 REPORTED = 0.2  # shortest time between two reports on the progress of a computation, s
