@@ -5,8 +5,16 @@ The passes form three groups: bristles in flight, bristles that touch the bar, a
 on it. The largest group is always advanced next. A pass changes its group at a touch and at a
 release.
 
-Modules in reading order: ``ensemble`` (the public function), ``request`` (the tools), ``state``
-(their dimensionless numbers), ``motion`` (flight), ``bar`` (kinematics at the bar), ``crossing``
-(roots), ``flight`` (a step up to a touch), ``touch`` (impact on the bar and motion on it),
-``strike`` (impact law and outcome), ``result``.
+The modules in reading order:
+
+- ``ensemble`` contains the public function.
+- ``request`` checks the values of the tools.
+- ``state`` holds the passes in dimensionless numbers.
+- ``motion`` computes the motion in flight as Taylor series.
+- ``bar`` computes the kinematics at the bar.
+- ``crossing`` finds roots.
+- ``flight`` advances bristles by a step, up to a touch.
+- ``touch`` resolves impacts on the bar, and advances bristles that lie on it.
+- ``strike`` applies the impact law at the workpart.
+- ``result`` holds the results.
 """

@@ -7,8 +7,10 @@ part of a link's centre line. On the flank of a piece the normal turns with the 
 With the angles theta of the links, the normal velocity v_n and the tangential velocity v_t of the
 wire's surface at the contact obey
 
-  v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,    v_t = J_t theta' + drift,    v_t' =
-  J_t theta'' + bias_t.
+  v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,
+  v_t = J_t theta' + drift,    v_t' = J_t theta'' + bias_t.
+
+The drifts are the velocities if theta' = 0, the biases the accelerations if theta'' = 0.
 """
 
 from __future__ import annotations

@@ -105,8 +105,8 @@ class RodImpact:
     def _guided(self, freedom: Sequence[float], push: float) -> Array:
         """Return the change of the generalized speeds per unit normal impulse in a guided motion.
 
-        A constraint makes the change proportional to ``freedom``. ``push`` is the power that the
-        impulse, per unit normal impulse, would have at the generalized speeds ``freedom``.
+        A constraint makes the change proportional to ``freedom``. ``push`` is the work that the
+        impulse would do at the generalized speeds ``freedom``, per unit normal impulse.
         """
         direction = np.array(freedom)
         return direction * (push / float(direction @ self.inertia @ direction))
