@@ -77,8 +77,8 @@ def simulate_reference(
     bristle in flight, with the hub angle psi and the angle alpha from the radial direction, they
     are
 
-        I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha = -m g (L/2) sin(psi +
-        alpha).
+        I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
+            = -m g (L/2) sin(psi + alpha).
 
     I, m and L are the bristle's moment of inertia about its root, its mass and its length. c and k
     are the belt's damping and stiffness, r_h and omega the hub's radius and speed, and g is

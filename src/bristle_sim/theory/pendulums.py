@@ -71,8 +71,9 @@ def single_pendulum_impact(
     The rod is Stronge's single pendulum (Zhang 2020, sec. 2.4.1 and fig. 2.26). The ratio of its
     angular velocities after and before the impact is
 
-        phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >=
-        tan gamma
+        phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)).
+
+    There is no rebound for mu >= tan gamma.
 
     Args:
         rod_mass: mass of the rod, kg.

@@ -5,8 +5,8 @@ The beam is a uniform Euler-Bernoulli beam of length L, mass m and bending stiff
 is hinged on a torsion spring k_T, and its other end is free. The beam vibrates at omega = lambda^2
 sqrt(E I_a/(m L^3)), where lambda solves
 
-    sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda) = (k_T L/(E I_a)) (1 + cos(lambda)
-    cosh(lambda))/lambda.
+    sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda)
+        = (k_T L/(E I_a)) (1 + cos(lambda) cosh(lambda))/lambda.
 
 Without the spring this is tan(lambda) = tanh(lambda), the hinged beam. With a rigid spring it is
 the cantilever.
