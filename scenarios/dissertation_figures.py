@@ -23,7 +23,7 @@ def run(selection: Selection) -> Report:
 
 
 def plots(report: Report, target: Path) -> None:
-    """Draw each figure as a picture named after its number, or on a page of one PDF."""
+    """Draw each figure to a file named after its number, or on its own page of a PDF."""
     from bristle_sim.render.dissertation_figures import save_figures
 
     save_figures(report.subject, target)

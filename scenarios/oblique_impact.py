@@ -2,8 +2,8 @@
 dissertation's closed forms.
 
 The bristle stands radially at the impact angle, with its tip on the workpart, and turns at
-speed_ratio times the hub's speed. The report is for the requested contact law; its table compares
-all three.
+speed_ratio times the hub's speed. The report states the results of the requested contact law; a
+further table compares all three laws.
 """
 
 import sys

@@ -44,9 +44,7 @@ def series(report: Report) -> Columns:
 
 
 def points(report: Report) -> str:
-    """Return the height of every cell in lines of three numbers, x, y and height in m, which
-    Gwyddion imports.
-    """
+    """Return lines with x, y and height (m) of every cell, a format that Gwyddion imports."""
     from bristle_sim.studies.surface import height_lines
 
     return height_lines(report.subject)

@@ -29,7 +29,7 @@ class Quantity:
         unit: unit of the quantity; "1" for a pure number.
         simulated: simulated value; None if absent.
         theory: value that a closed form gives; None if absent.
-        reference: value of the independent solution; None if absent.
+        reference: value that the independent solution gives; None if absent.
         printed: value printed in the dissertation; None if absent.
         tolerance: largest relative difference that counts as agreement, or largest absolute
             difference if the compared value is 0. None if a difference is a result of the study,
@@ -64,9 +64,9 @@ class Quantity:
 
     @property
     def relative_difference(self) -> float | None:
-        """Simulated value minus compared value, divided by the magnitude of the compared value.
+        """Simulated value minus the value of :attr:`judge`, divided by the magnitude of the latter.
 
-        The result is None if either value is missing or the compared value is 0.
+        The result is None if either value is missing or the latter is 0.
         """
         judge = self.judge
         if self.simulated is None or judge is None or not judge[1]:

@@ -1,7 +1,7 @@
 """The command line of every scenario script.
 
-It reads the values of the parameters and writes the table, JSON, CSV, picture, video and exit
-status.
+It reads the values of the parameters, writes the table, JSON, CSV, picture and video, and returns
+the exit status.
 """
 
 from bristle_sim.cli.command import run_scenario as main

@@ -1,4 +1,4 @@
-"""Completion in the shell of scenarios, options and parameter names.
+"""Shell completion of scenarios, options and parameter names.
 
 It needs the package argcomplete, an optional dependency.
 """

@@ -1,6 +1,6 @@
 """Figure of error against CPU time, with one panel for each test case.
 
-Each method of this project has a colour of its own, each other package one colour.
+Each method of this project has its own colour. Each other package has one colour for all methods.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Draws the dissertation's figures, each on a page of its own.
 
-Closed forms are lines, numerical results that check them are points, and the operating point is a
-dot.
+Closed forms are drawn as lines, numerical results that check them as points, and the operating
+point as a dot.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     """Draw a pass: the tool with the tip's path to scale (mm), and curves over time (ms).
 
     The curves are the retraction, the angular velocity relative to the hub and the energy. The
-    normal force of contacts has a panel too, unless it is zero throughout.
+    normal force of contacts also has a panel, unless it is zero throughout.
 
     Args:
         trajectory: motion of the pass.

@@ -1,8 +1,8 @@
 """The common style of pictures: colours, fonts, panels, readable units, and files.
 
-Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and
-pyplot is not imported. matplotlib's constrained layout places panels and legends. Sizes are printed
-centimetres. A full-width figure is 16 cm wide with text of 7 to 8 points.
+Figures are objects of :class:`matplotlib.figure.Figure`. They need no display, no global state and
+no pyplot. matplotlib's constrained layout places panels and legends. Sizes are in centimetres on
+paper. A full-width figure is 16 cm wide with text of 7 to 8 points.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class Scale(NamedTuple):
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """Return the scale whose unit prefix brings a number between 1 and 1000.
+    """Return the scale whose unit prefix makes a number lie between 1 and 1000.
 
     For example, 1.2e-3 with the unit N·s becomes 1.2 mN·s.
     """

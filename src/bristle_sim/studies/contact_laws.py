@@ -127,7 +127,7 @@ def tip_velocity(chain: Chain) -> tuple[float, float]:
 
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
-    """Return the contact point's velocities during an impact by the energetic law.
+    """Return the contact point's velocities during an impact that obeys the energetic law.
 
     They are piecewise linear in the normal impulse, from the touch to the separation. If the tip
     does not approach the surface, there is a single point.

@@ -75,7 +75,7 @@ class CueTiming:
         simulated: cue by the simulated release; None if the relative angular velocity has no
             maximum.
         formula: cue by the formulas; None if the belt has no stiffness.
-        reference: cue by the independent reference solution; None if it was not requested.
+        reference: cue by the independent reference solver; None if it was not requested.
         bar: the bar at the position with which the cues are compared.
         passes: results of whole passes. In the first pass the bar is at the cue ``simulated``; this
             pass is absent if that is None. In the last pass it is ``bar``.

@@ -252,7 +252,7 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """Return each measure's ratio of the first strike to the second; NaN if the latter is 0."""
+    """Return each measure of the first strike over that of the second; NaN if the latter is 0."""
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 

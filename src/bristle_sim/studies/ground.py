@@ -48,7 +48,7 @@ def floor_of_volume(above: Array, volume: float) -> float:
     wrong if some cells are below it. Such cells are left out and the trial height is computed anew,
     until no remaining cell is below it (Michelot 1986).
 
-    Here the two highest of three cells lose a volume of 3:
+    In this example the two highest of three cells lose a volume of 3:
 
     >>> floor_of_volume(np.array([1.0, 4.0, 0.0]), 3.0)
     1.0

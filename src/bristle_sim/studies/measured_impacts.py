@@ -132,8 +132,9 @@ def sphere_rebound(angle_deg: Array, compliance: float) -> dict[str, Array]:
         compliance: ratio eta^2 of tangential to normal compliance of the contact.
 
     Returns:
-        ``restitution``, the tangential velocity after the impact divided by that before it;
-            ``spin`` after the impact, rad/s; and ``rebound_angle`` from the normal, deg.
+        ``restitution`` is the tangential velocity after the impact divided by that before it.
+            ``spin`` is the angular velocity after the impact, rad/s. ``rebound_angle`` is measured
+            from the normal, deg.
     """
     angle = np.radians(angle_deg)
     velocity = SPEED * np.stack([-np.cos(angle), np.sin(angle)], axis=-1)

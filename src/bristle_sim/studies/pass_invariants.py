@@ -100,17 +100,17 @@ def invariants_in_words(invariants: Sequence[Quantity]) -> str:
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     """Return the largest energy imbalance of a flight or an impact, J.
 
-    The balance is that of Jacobi's integral. It is the energy in the frame that rotates with the
-    hub: the sum of kinetic, belt, centrifugal and gravity energy. In flight its loss per unit time
-    is
+    The balance is that of Jacobi's integral, the energy in the frame that rotates with the hub.
+    This is the sum of kinetic, belt, centrifugal and gravity energy. In flight its loss per unit
+    time is
 
         c alpha'^2 - omega m g x,
 
     where c is the belt's damping coefficient, alpha the bristle's angle relative to the hub, omega
     the hub speed, m g the bristle's weight, and x the horizontal coordinate of its centre. An
-    impact changes it by the work of the impulse minus omega times the impulse's moment about the
-    hub's centre. Sustained contacts are left out, since the obstacle's shape prescribes their
-    motion.
+    impact changes the integral by the work of the impulse minus omega times the impulse's moment
+    about the hub's centre. Sustained contacts are left out, since the obstacle's shape prescribes
+    their motion.
 
     Returns:
         The largest imbalance, J.
@@ -136,8 +136,8 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     def lost(at: Array) -> Array:
         """Return the energy lost between each pair of neighbouring samples, J.
 
-        It is the time integral of the power by the trapezoidal rule with end corrections, of fourth
-        order.
+        The power is integrated over time by the trapezoidal rule with end corrections, which is of
+        fourth order.
         """
         step = np.diff(run.time[at])
         mean = 0.5 * (power[at][1:] + power[at][:-1])

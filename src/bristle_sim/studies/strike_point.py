@@ -35,7 +35,10 @@ STRIKE_UNITS = {
 
 
 class NotCuedError(ValueError):
-    """Raised if the bristle does not touch the bar, leave it, and then strike the workpart."""
+    """Raised for a pass without a cued strike.
+
+    In a cued strike the bristle touches the bar, leaves it, and then strikes the workpart.
+    """
 
 
 def strike_of_keys(

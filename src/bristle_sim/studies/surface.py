@@ -165,8 +165,8 @@ def blasted_surface(
 
     Args:
         tool: the tool.
-        crater: speed and angle of the strike, and the cutting properties; None for those of the
-            tool's pass and of the dissertation.
+        crater: speed and angle of the strike, and the cutting properties; if None, those of the
+            tool's pass, and those of the dissertation.
         blasting: parameters of the track and the ground.
         settings: accuracy of the simulated contact.
     """

@@ -34,7 +34,7 @@ def evaluate_points(function: Function | bytes, points: bytes) -> list[Outcome]:
     points.
 
     At least one point is evaluated. ``points`` are pickled, since Dask would search a list of
-    points for futures. ``function`` may be pickled too.
+    points for futures. ``function`` may also be pickled.
     """
     called = _unpickled(function) if isinstance(function, bytes) else function
     end = time.perf_counter() + TURN

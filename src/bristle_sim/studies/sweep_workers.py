@@ -166,7 +166,7 @@ class _Batches:
     def _workers(self) -> int:
         """Return the number of batches that can run at the same time.
 
-        The number of a cluster may change.
+        In a cluster this number may change.
         """
         if client_of(self.executor):
             return sum(self.executor.ncores().values())

@@ -67,7 +67,8 @@ class WholePass:
     Attributes:
         tool: the tool.
         trajectory: the simulated motion.
-        reference: motion by the independent reference solution; None if it was not requested.
+        reference: motion computed by the independent reference solver; None if it was not
+            requested.
     """
 
     tool: Tool
@@ -148,7 +149,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, float]:
     """Return the accepted relative differences from the reference solution, by name.
 
-    They follow from the errors of both motions. ``referred`` are the quantities by the reference
+    They follow from the errors of both motions. ``referred`` are the quantities of the reference
     solution; those that are None have no tolerance.
     """
     within = {}

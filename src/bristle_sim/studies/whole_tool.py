@@ -6,9 +6,8 @@ bristle over a revolution. The drive's torque is the moment of the forces on the
 energy dissipated in a revolution, divided by 2 pi, must give the same torque.
 
 In sustained contact with an obstacle the bristle's angle depends on the hub's angle alone, and not
-on the motion before. All revolutions after the first sustained contact are therefore the same, with
-or without damping of the belt. A bristle that rebounds from every obstacle need not repeat its
-motion.
+on earlier motion. All revolutions after the first sustained contact are therefore the same, with or
+without damping of the belt. A bristle that rebounds from every obstacle need not repeat its motion.
 """
 
 import dataclasses

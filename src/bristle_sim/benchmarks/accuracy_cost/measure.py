@@ -149,7 +149,7 @@ def cpu_times(actions: Sequence[Callable[[], Any]], rounds: int) -> list[float]:
 def cheapest(points: Iterable[Point], target: float) -> Point | None:
     """Return the point with the least CPU time among those whose error is at most ``target``.
 
-    A point qualifies only if the next finer setting of its method meets the target too. A single
+    A point qualifies only if the next finer setting of its method also meets the target. A single
     accurate point may be an accident, since the error may change sign there. The points of one
     method must go from coarse to fine. The result is None if no point qualifies.
     """
