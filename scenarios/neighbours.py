@@ -1,5 +1,5 @@
-"""Neighbours: from what spacing do the bristles of one plane touch each other, and what does a
-touch do to the strike?
+"""Neighbours: below what spacing do the bristles of one plane touch each other, and how does a
+touch change the strike?
 
 A row of bristles on one hub, each one pitch behind the one ahead, is simulated together. The wires
 may touch each other, the bar and the workpart. Bristles that touch no other bristle all perform the
@@ -22,7 +22,9 @@ def run(tool: Tool, row: Neighbours, settings: Settings, compared: Comparison) -
 
 
 def plot(report: Report) -> Picture:
-    """Draw the row at its first touch, and the strike over the pitch with the least pitches."""
+    """Draw the row at its first touch, and the strike over the pitch, with the least pitches
+    marked.
+    """
     from bristle_sim.render.bristle_figures import neighbours_figure, pitches_to_draw
     from bristle_sim.studies.neighbours import over_pitch
 

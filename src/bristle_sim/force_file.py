@@ -157,7 +157,7 @@ def _cells(path: str | Path, number: int, line: str, separator: str | None) -> l
 
 
 def _number(cell: str, decimal: str) -> float | None:
-    """Return the number in a cell, which may be infinite or NaN; None if the text is no number."""
+    """Return the number in a cell, which may be infinite or NaN; None if it is not a number."""
     try:
         return None if "_" in cell else float(cell.replace(decimal, "."))
     except ValueError:

@@ -85,8 +85,8 @@ def slow_motion(
     """Return the map between run time and film time of a film that is slower near chosen times.
 
     The slow-down at the run time t is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)).
-    The t_i are the times ``focus``, and w = ``width`` (end - start). The factor s_0 gives the film
-    its duration, the integral of s(t).
+    The t_i are the times ``focus``, and w = ``width`` (end - start). The factor s_0 makes the
+    integral of s(t) equal to the film's duration.
 
     Args:
         start, end: first and last time of the run, s.

@@ -144,7 +144,7 @@ def _rows(course: Motion, tool: Tool) -> Rows:
 def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     """Return the events up to the time ``until`` (s) that are marked, numbered from 1.
 
-    If the bristle starts away from the radial direction, the start is marked too, as number 0.
+    If the bristle does not start in the radial direction, the start is also marked, as number 0.
     """
     events = key_events(trajectory, until)
     first = 1

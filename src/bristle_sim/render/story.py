@@ -46,7 +46,7 @@ class Phase(NamedTuple):
 def story_end(trajectory: Trajectory) -> float:
     """Return the time (s) at which figures and films of a pass end.
 
-    It is shortly after the last contact between tip and workpart. Without a strike it is the end of
+    It is shortly after the last contact between tip and workpart or, without a strike, the end of
     the run.
     """
     start, end = float(trajectory.time[0]), float(trajectory.time[-1])

@@ -185,8 +185,8 @@ def first_crater(
 ) -> CraterBody:
     """Return the shape of the first crater, which is cut into a plane.
 
-    It is the volume that the tip sweeps. If a length, width or depth of the crater is given, it is
-    a paraboloid instead; its other sizes are those of the swept volume. The arguments are those of
+    It is the volume that the tip sweeps. If its length, width or depth is given, the shape is a
+    paraboloid instead; the other sizes are those of the swept volume. The arguments are those of
     :func:`blasted_surface`.
 
     Raises:

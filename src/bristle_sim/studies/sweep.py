@@ -188,7 +188,7 @@ def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
     """Write the outcomes of points at intervals, as they arrive, and show the progress.
 
-    If the evaluation ends with an error, the outcomes that arrived before it are written too.
+    If the evaluation ends with an error, the outcomes that arrived before it are also written.
     """
     finished = list[tuple[Point, Outcome]]()
     written = time.perf_counter()

@@ -101,7 +101,7 @@ def _agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: f
 def _closed_form(
     chain: Chain, friction: float, restitution: float
 ) -> tuple[tuple[float, ...], float, str]:
-    """Return the result of a strike of one or two rods by its closed form.
+    """Return the closed-form result of a strike of one or two rods.
 
     Returns:
         Angular velocities after the impact (rad/s), normal impulse (N s) and name of the outcome.
@@ -193,7 +193,7 @@ def _rod(angle: float) -> Chain:
 
 
 def _passes_near_jam(tool: Tool, start: Start) -> Finding:
-    """Check two passes against the reference: with friction just below the jam, and just above it.
+    """Check two passes against the reference, one with friction just below the jam, one just above.
 
     A preliminary run gives the angle of the strike, which determines the friction at the jam.
     """
