@@ -8,6 +8,7 @@ import pytest
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.contact_space.joints import joined
 from bristle_sim.parameters import Bristle, Surface, Tool
+from bristle_sim.scene import impacts
 from bristle_sim.scene.impacts import EnergeticLaw, EngineLaw, contact_at
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import WorkpartPair
@@ -21,11 +22,14 @@ class TestEngineLaw:
     @pytest.mark.parametrize(
         ("friction", "restitution"), [(0.0, 0.5), (0.3, 0.5), (0.0, 1.0), (0.0, 0.0)]
     )
-    def test_one_rod(self, friction: float, restitution: float) -> None:
+    def test_one_rod(
+        self, friction: float, restitution: float, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         """Slip does not turn before the normal velocity does, so p_t = -mu p_n and p_n = -(1 + e) v_n/(K_nn + mu K_nt).
 
         With friction that is so in compression; the clamp then takes what is left of slip as it comes.
         """
+        monkeypatch.setattr(impacts, "ENGINE_ITERATIONS", 100)
         chain = Chain((2.0,), (1.0,), (-0.6,), (1.0,))
         surface = Surface(friction, None, restitution)
         scene, state, obstacle, _ = build_strike(chain, surface)

@@ -85,6 +85,10 @@ def resolve_impacts(
     contacts = end_contacts(system, contacts, ending, pair.name)
     opening = _least_opening_rate(system, pair) if single_link else math.inf
     record = _resolve(system, pair, rests=rests or opening <= LEAST_SLIP)
+    approaches = record.velocity_after[0] < -system.slow
+    if single_link and approaches and record.outcome != Outcome.JAM:
+        # The engine's iterations have not ended the approach. The energetic law ends it.
+        record = _resolve(system, pair, rests=True)
     jams = record.outcome == Outcome.JAM or opening < -LEAST_SLIP
     system.event(name, system.wires_of(pair), lasts=jams)
     if jams:

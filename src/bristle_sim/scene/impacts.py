@@ -43,11 +43,8 @@ ENGINE_STEP = 1e-12
 # Half the width and half the depth of the workpart's shape, in link lengths. No mechanism reaches
 # the other edges of this shape.
 HALF_PLANE = 1e3
-# Number of iterations of the engine's solver in the step of an impact. For a wire of one link they
-# converge; a remaining approach would be stopped by an impulse that no record has. For a chain they
-# do not converge within thousands of iterations, so it has the engine's default.
-ITERATIONS_OF_ONE_LINK = 1000
-ITERATIONS_OF_A_CHAIN = 10
+# Number of iterations of the engine's solver in the step of an impact; the engine's default.
+ENGINE_ITERATIONS = 10
 
 
 class ContactPoint(NamedTuple):
@@ -279,7 +276,7 @@ class EngineLaw(ContactLaw):
         space.add(part, tip)
         space.on_collision(post_solve=lambda arbiter, *_: impulses.append(arbiter.total_impulse))
         before = space.iterations
-        space.iterations = ITERATIONS_OF_A_CHAIN if mechanism.jointed else ITERATIONS_OF_ONE_LINK
+        space.iterations = ENGINE_ITERATIONS
         scene.step_alone(ENGINE_STEP)
         space.iterations = before
         space.on_collision()

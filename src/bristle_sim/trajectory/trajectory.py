@@ -178,8 +178,6 @@ class Trajectory(Motion):
         contacts = []
         for contact in self.contacts:
             sample = int(abs(self.time - contact.time).argmin())
-            if contact.law == "sustained":  # it begins after the impacts at this instant
-                sample = int(self.time.searchsorted(self.time[sample], side="right")) - 1
             corners = lines[sample]
             normals: Any = 1j
             if contact.obstacle == "workpart":
@@ -195,7 +193,9 @@ class Trajectory(Motion):
                 continue
             nearest = 0
             if places.size > 1:
-                velocity = self.centre_line_velocity[sample] @ (1.0, 1j)
+                at_once = np.flatnonzero(self.time == self.time[sample])
+                changes = abs(self.rates[at_once] - contact.rates_before).max(axis=1)
+                velocity = self.centre_line_velocity[at_once[changes.argmin()]] @ (1.0, 1j)
                 along = ((places - corners[:-1]) / np.diff(corners)).real
                 moving = velocity[:-1] + along * np.diff(velocity)
                 speeds = (np.conj(normals) * moving).real
