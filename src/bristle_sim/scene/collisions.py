@@ -233,6 +233,7 @@ def propagate_error(
     snap = abs(slip - record.velocity_before[1])
     jams = pair.friction * abs(slip) >= abs(approach)
     undecided = snap > (0.0 if jams else error)
+    previous = recording.contacts[-1][0].time if recording.contacts else None
 
     def neighbour(off: float, late: float) -> ClosestApproach:
         """Return the closest approach of a neighbouring motion at a time after the touch.
@@ -251,7 +252,8 @@ def propagate_error(
         late = -early.gap / (early.velocity[0] or math.inf)
         other = neighbour(off, late)
         pressed = (other.velocity[0] - early.velocity[0]) * late <= 0.0
-        if pressed and record.velocity_after[0] <= system.slow:
+        # No acceleration acts between impacts at one instant.
+        if (pressed or previous == before.time) and record.velocity_after[0] <= system.slow:
             # The contact stays closed, and its force cancels what the acceleration adds to the
             # approach speed of a later touch.
             other = early
