@@ -280,14 +280,16 @@ smaller value counts as zero."""
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
-    """Return a text on the quantity whose simulated value differs most, relatively, from a source.
+    """Return a text that names the quantity with the largest relative difference.
 
-    An example is ``x 3 N, printed 4 N``. The text is empty if no quantity has both values.
+    The difference is that of the simulated value from the value of one source. The text gives both
+    values, as in ``x 3 N, printed 4 N``. It is empty if no quantity has both. A value of the source
+    counts as missing if its magnitude is at most ``LEAST_SIZE``.
 
     Args:
         quantities: quantities to search.
-        side: source of the compared values, ``theory``, ``reference`` or ``printed``.
-        word: words that introduce the compared value in the text.
+        side: the source: ``theory``, ``reference`` or ``printed``.
+        word: words that introduce the source's value in the text.
     """
     farthest = -1.0
     shown = ""

@@ -44,8 +44,7 @@ class Declaration:
         default: default value.
         meaning: meaning of the value, in words.
         optional: whether the value may be None.
-        needs: condition on another key without which this key has no effect, such as ``contact =
-            compliant``.
+        needs: condition on another key for this key to act, such as ``contact = compliant``.
         listed: whether the parameter can be set on the command line.
     """
 
@@ -79,7 +78,10 @@ class Declaration:
         return "none" if value is None else str(value)
 
     def read(self, given: Any) -> Any:
-        """Return the checked value of an object; None and ``none`` give None if it is optional."""
+        """Check a given object, and return it as a value of this parameter.
+
+        If the parameter is optional, None is returned for None and for the text ``none``.
+        """
         absent = given is None or (isinstance(given, str) and given.strip() == "none")
         return None if absent and self.optional else self.parse(given)
 
@@ -135,8 +137,7 @@ class Range(Declaration):
     Attributes:
         lowest, highest: ends of the range.
         lowest_allowed: whether the range includes its lower end.
-        usual: smallest and largest magnitude that cause no warning; by default 1/100 and 100 times
-            the default value.
+        usual: range of magnitudes without a warning; by default 1/100 to 100 times the default.
         whole: whether the number must be whole; the value is then an int.
     """
 

@@ -1,8 +1,8 @@
 """Impacts of one step, resolved one by one until no contact point approaches.
 
 The earliest touch is resolved first. Of touches at the same instant, the fastest is resolved first.
-An impact at one point can make other contact points of the same bodies, or of bodies joined to
-them, approach. Bodies connected by contacts and joints form a group; groups are independent.
+After an impact at one point, other contact points may start to approach, on the same bodies or on
+bodies joined to them. Bodies connected by contacts and joints form a group; groups are independent.
 """
 
 from __future__ import annotations

@@ -108,10 +108,10 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return the time by which the engine's velocities are later than an instant, in steps.
+        """Return how long after an instant the engine's velocities apply, as a number of steps.
 
-        The engine's velocities are those of half a step after the end of the step. ``time`` is the
-        time from the instant to the end of the step.
+        The engine's velocities apply half a step after the end of the step. ``time`` is the time
+        from the instant to the end of the step.
         """
         return time / self.duration + 0.5 if self.duration else 0.5
 

@@ -1,7 +1,8 @@
 """Passes in dimensionless numbers.
 
-Lengths are divided by the bristle's length, and moments by the bristle's moment of inertia. The hub
-angle serves as the time.
+Lengths are divided by the bristle's length L. The hub angle serves as the time, so angular
+velocities are divided by the hub's angular velocity omega. Moments of inertia are divided by the
+bristle's moment of inertia I about its root, and torques by I omega^2.
 """
 
 from __future__ import annotations

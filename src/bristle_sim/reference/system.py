@@ -65,7 +65,7 @@ class System:
         self.fastest = chain.fastest_rate
 
     def at(self, state: State) -> Instant:
-        """Return the instant of a state, which computes its kinematics and forces."""
+        """Return an ``Instant``, which computes the kinematics and the forces of a state."""
         return Instant(self, state)
 
     @property

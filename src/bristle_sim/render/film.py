@@ -82,7 +82,7 @@ def slow_motion(
     slower: float = 4.0,
     width: float = 0.04,
 ) -> TimeWarp:
-    """Return the map between run time and film time of a film that is slower near chosen times.
+    """Return the ``TimeWarp`` of a film that is slower near chosen times of the run.
 
     The slow-down at the run time t is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)).
     The t_i are the times ``focus``, and w = ``width`` (end - start). The factor s_0 makes the
@@ -92,7 +92,7 @@ def slow_motion(
         start, end: first and last time of the run, s.
         duration: duration of the film, s.
         focus: times of the run at which the film is slowest, s.
-        slower: factor between the slow-down at these times and that far from them.
+        slower: ratio of the slow-down at these times to the slow-down far from them.
         width: width w of a slow interval, as a fraction of the run.
 
     Raises:

@@ -271,10 +271,11 @@ class RigidContacts:
     def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
         """Set the sense of slip of a new contact, which friction opposes.
 
-        The sense is the sign of the slip velocity if that velocity exceeds its error. Otherwise a
-        contact of one of several links sticks until its tangential force exceeds the friction
-        limit. A single link slips in the direction of its contact point's acceleration; if the
-        acceleration is zero too, the link is at rest.
+        The sense is the sign of the slip velocity if that velocity exceeds its error. Otherwise the
+        sense depends on the number of links in the mechanism. If there are several, the contact
+        sticks until its tangential force exceeds the friction limit. If there is only one, the
+        sense is the sign of the contact point's tangential acceleration. If this acceleration is
+        zero too, the link is at rest, and the sense stays unknown.
 
         Args:
             state: the state at the touch.

@@ -76,7 +76,7 @@ class Interval:
         self._curve: Curve | None = None
 
     def at(self, time: float) -> State:
-        """Return the state at a time after the start, on the interpolating polynomial."""
+        """Return the interpolated state at a time that is measured from the interval's start."""
         if time == 0.0:
             return self.start
         if time == self.length:
@@ -86,7 +86,7 @@ class Interval:
         return self._curve.at(time)
 
     def estimate(self, time: float) -> IntervalResult:
-        """Return a result that contains only the interpolated state at a time."""
+        """Return a result that contains only the interpolated state at a time after the start."""
         return IntervalResult(self.at(time))
 
     def up_to(self, end: IntervalResult) -> Interval:
@@ -233,15 +233,16 @@ def settle(
     """Return the result at the time within an interval at which a function of the state is zero.
 
     The first estimate of the time is the zero on the interval's interpolating polynomial. The
-    interval is integrated up to the estimate. Secant steps, on the motion continued with the
-    accelerations there, give the next estimate. Return None if the function does not change sign,
-    if it needs the contact forces, or if the estimates do not converge.
+    interval is integrated up to the estimate. From the state reached, the motion is extrapolated at
+    constant accelerations. Secant steps on the extrapolated motion give the next estimate. Return
+    None if the function does not change sign between ``first`` and ``last``, if it depends on the
+    contact forces, or if the estimates do not converge.
 
     Args:
         system: the run.
         value: the function.
         interval: the interval.
-        first, last: earliest and latest time of the zero, from the interval's start.
+        first, last: times between which the zero is sought, measured from the interval's start.
         tolerance: largest magnitude of the function that counts as zero.
     """
     left = value(interval.estimate(first))
@@ -306,12 +307,11 @@ def locate(
 ) -> float:
     """Return the time at which a function of the motion is zero.
 
-    The time lies between two times at which the function has opposite signs.
-
-    The method is false position with the weights of Anderson and Bjorck. After ``MOST_LINES``
-    evaluations, which a jump of the function requires, bisection follows. At the returned time the
-    magnitude of the function is at most ``tolerance``, or the bracket of the root is the shortest
-    possible and the returned time is its later end.
+    The time lies between two times at which the function has opposite signs. The method is false
+    position with the weights of Anderson and Bjorck. A jump of the function may take more than
+    ``MOST_LINES`` evaluations; bisection then follows. At the returned time the magnitude of the
+    function is at most ``tolerance``, or the bracket of the root is the shortest possible and the
+    returned time is its later end.
 
     Args:
         value: the function.

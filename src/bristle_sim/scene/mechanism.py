@@ -56,7 +56,7 @@ class Link:
         return self.inertia + self.mass * abs(self.centre) ** 2
 
     def pose(self, joint: complex, velocity: complex, turn: complex) -> Pose:
-        """Return the link's position, given the position of its joint.
+        """Return the link's ``Pose``, given its direction and the motion of its joint.
 
         Args:
             joint: position of the joint.
@@ -90,7 +90,7 @@ class State(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Position of a link in the plane.
+    """Position of a link in the plane, and the velocity of its joint.
 
     Attributes:
         joint: position of the joint.

@@ -87,8 +87,9 @@ class Design:
             1 deg of their target values, while the other parameters do not change.
         conflict: names of the quantities whose target values or upper limits cannot be met
             together; empty if all are met.
-        trade_off: values along the curve of best compromises between two conflicting conditions: of
-            the two quantities and of the parameters.
+        trade_off: values of two conflicting quantities, and of the varied parameters, along the
+            curve of best compromises between the two quantities. The keys are their names. It is
+            empty unless exactly two quantities conflict.
         check: agreement of the vectorised passes, which the search uses, with simulations.
     """
 

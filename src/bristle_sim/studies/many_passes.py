@@ -156,15 +156,18 @@ def checked_by_scene(
 ) -> Check:
     """Compare vectorised passes with passes simulated one by one, at a given and at random points.
 
-    The outcome, the instant of the strike, lag, tip speed and normal impulse are compared. Their
-    differences are relative. A tool that the vectorised computation rejects is left out.
+    The outcome, the instant of the strike, the lag, the tip speed and the normal impulse are
+    compared. Differences of the last four are relative. A point is left out if the vectorised
+    computation rejects its tool.
+
+    Each coordinate of a point is a position within a range, from 0 (lower end) to 1 (upper end).
 
     Args:
-        tool: the tool that gives the values of all other parameters.
-        settings: accuracy of both computations.
-        answer: the given point, which a study has found, as fractions of ranges from 0 to 1.
-        values_of: function of points, shape (ranges, points), that returns the values of the varied
-            parameters, by name.
+        tool: the tool that gives the values of the parameters that are not varied.
+        settings: settings of both computations.
+        answer: the given point, shape (ranges,).
+        values_of: function that takes an array of points, shape (ranges, points), and returns the
+            values of the varied parameters at these points, by name.
     """
     random = np.random.default_rng(1).random((answer.size, CHECKED_POINTS))
     values = values_of(np.column_stack([answer, random]))

@@ -186,9 +186,10 @@ def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
 
 
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
-    """Write the outcomes of points at intervals, as they arrive, and show the progress.
+    """Collect the outcomes of points as they arrive, and write them to the results periodically.
 
-    If the evaluation ends with an error, the outcomes that arrived before it are also written.
+    The progress is shown. If the evaluation ends with an error, the outcomes that arrived before
+    the error are also written.
     """
     finished = list[tuple[Point, Outcome]]()
     written = time.perf_counter()

@@ -7,17 +7,21 @@ cut:
 
     depth = cos(gamma) sum_i [F_c(t_i) - F_c(t_{i-1})] sin(eta) cos(eta + beta - alpha)/(b(t_i) tau_s cos(beta - alpha)).
 
-As the number n of plies grows, the sum tends to the integral of F_c'(t)/b(t). The width grows like
-sqrt(t) at first. The sum takes each width at the end of its ply, and is therefore below the limit
-by a term of order 1/sqrt(n) (Navot 1961), not 1/n.
+Here alpha is the rake angle, beta the friction angle and eta the shear angle of Merchant's circle
+(section 4.2). As the number n of plies grows, the sum of [F_c(t_i) - F_c(t_{i-1})]/b(t_i) tends to
+the integral of F_c'(t)/b(t). The width grows like sqrt(t) at first. The sum takes each width at the
+end of its ply. The sum is therefore below the integral by a term of order 1/sqrt(n) (Navot 1961),
+not 1/n.
 
-The work-energy estimate adds, over the plies, the lost kinetic energy divided by the force, d_i =
-[E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). This estimate fails. The postulated motion decelerates most at
-t = 0, where the force of (3.19) is almost zero. The sum is therefore 9.65 mm at 300 plies and grows
-with n. As a ratio of two sums, which (4.66) prints, it tends to zero. Over the printed path the
-force does 4.05 mJ of work, but the kinetic energy falls by 15.6 mJ. Of these, 3.0 mJ (the term in
-e^(-lambda t)) are work of the root's bearing. The force and the motion thus belong to two different
-events.
+The work-energy estimate divides the kinetic energy lost in each ply by the resultant force R at the
+end of the ply: d_i = [E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). The depth is cos(gamma) times the sum of
+the quotients d_i. This estimate fails. The postulated motion decelerates most at t = 0, where the
+force R of (3.19) is almost zero. The depth is therefore 9.65 mm at 300 plies and grows with n. Eq.
+4.66 prints the sum of the lost energies divided by the sum of the forces instead; this ratio tends
+to zero. Over the printed path the force R does at most 4.05 mJ of work, but the kinetic energy
+falls by 15.6 mJ. The root's bearing takes 3.0 mJ of the lost energy: the term of (4.59) in
+e^(-lambda t), with the decay rate lambda of the motion. The force and the motion thus belong to two
+different events.
 
 Arguments: the coefficient of friction mu while cutting, the impact angle gamma in rad, the shear
 yield stress tau_s in Pa, the number of plies, the compression time t_c in s, and the wire's

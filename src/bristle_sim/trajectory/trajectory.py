@@ -117,9 +117,10 @@ class Trajectory(Motion):
     def accuracy_not_reached(self) -> str:
         """A warning if the error estimate exceeds the requested accuracy more than a hundredfold.
 
-        Otherwise the text is empty. If the estimate is valid for the whole run, the warning begins
-        with "accuracy not reached". The validity of the estimate may end earlier: at chatter, or at
-        a touch whose speed is smaller than the error.
+        Otherwise it is an empty string. If the estimate is valid for the whole run, the warning
+        begins with "accuracy not reached". If the estimate is valid only up to an earlier time, the
+        warning begins with "error estimate". This time is that of chatter, or of a touch whose
+        speed is smaller than the error.
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")

@@ -26,9 +26,10 @@ HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
 
 
 def heyoka_flight(case: Case) -> list[Attempt]:
-    """Return attempts at a flight by heyoka's Taylor series, one for each tolerance.
+    """Return one attempt at a flight for each tolerance of heyoka's Taylor series.
 
-    The integrator for each tolerance is compiled before the timing.
+    An attempt contains the function to be timed. This function uses an integrator that has been
+    compiled for its tolerance beforehand.
     """
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
