@@ -376,3 +376,11 @@ def test_a_wire_that_comes_to_rest_in_the_rigid_limit_does_not_sink(
     assert depth < accuracy * tool.bristle.length
     # Each rebound has restitution times the speed of the one before, so a dozen reach the accuracy.
     assert len(run.contacts) < 20 + math.log(accuracy) / math.log(restitution)
+
+
+@pytest.mark.parametrize(("duration", "accuracy"), [(2e-6, 1e-6), (1e-5, 1e-4), (5e-5, 1e-3)])
+def test_a_wire_that_comes_to_rest_on_its_spring_spends_no_budget(duration: float, accuracy: float):
+    """The wire bounces a few dozen times before it drags along; a search for ever shorter hops would take half a million steps."""
+    run = bs.simulate(timed(duration), bs.Settings(accuracy=accuracy, hub_turn=3.0))
+    assert run.stop_reason == "end of the planned time"
+    assert run.cost.steps < 100_000

@@ -247,7 +247,7 @@ def _contact_begun(
         began = ActiveContact(pair)
     elif not rigid and -system.approach(pair) > system.slow:
         began = begin_spring(system, motion, pair)
-    elif rests and law.finite_duration:
+    elif rests and law.finite_duration and not system.mechanism.single_link:
         began = pressed_on(system, motion, pair)
     if began is None:
         return None
