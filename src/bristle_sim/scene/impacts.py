@@ -158,10 +158,7 @@ class EnergeticLaw(ContactLaw):
             The state after the impact and the contact record, in engine units.
         """
         point = contact_at(scene.mechanism, state, pair)
-        if point.stick_compliance <= self.accuracy**2 * point.inverse_mass[0][0]:
-            # It may come from an error of the links' directions, as of a chain that should be straight.
-            point = point._replace(stick_compliance=0.0)
-        before = ending_together(point, self.accuracy)
+        point, before = ending_together(point, self.accuracy)
         impact = impact_at(point, before, pair, self.tangential_compliance)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         velocity = (impact.velocity_normal, impact.velocity_tangential)
@@ -215,22 +212,25 @@ def impact_at(
     )
 
 
-def ending_together(point: ContactPoint, accuracy: float) -> Vector:
-    """Return the (normal, tangential) velocity of a contact point before an impact.
+def ending_together(point: ContactPoint, accuracy: float) -> tuple[ContactPoint, Vector]:
+    """Return a contact point and its (normal, tangential) velocity before an impact.
 
     A contact point with one degree of freedom can move in one direction only: v_t/v_n = K_nt/K_nn,
     with its slip velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K.
     Its slip and its approach therefore end at the same impulse. With an error of v_t the slip could
     end earlier, and the point would stick while it still approaches. An error of v_t up to
     ``accuracy``, relative to the speed, is therefore removed from the tangential velocity.
+
+    The same is done for a chain that is straight but for an error of its links' directions. Its
+    response in stick, which is proportional to the square of this error, is set to zero.
     """
     normal, coupling = point.inverse_mass[0]
     approach, slip = point.touch.velocity
-    if point.stick_compliance or not normal:
-        return approach, slip
-    exact = approach * coupling / normal
-    near = abs(slip - exact) <= accuracy * math.hypot(approach, slip)
-    return approach, exact if near else slip
+    if point.stick_compliance <= accuracy**2 * normal and normal:
+        exact = approach * coupling / normal
+        if abs(slip - exact) <= accuracy * math.hypot(approach, slip):
+            return point._replace(stick_compliance=0.0), (approach, exact)
+    return point, (approach, slip)
 
 
 ENERGETIC = EnergeticLaw()  # the law of all contacts except those with the workpart
