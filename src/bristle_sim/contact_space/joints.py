@@ -2,10 +2,11 @@
 
 V holds the velocity (v_x, v_y) of each body's mass centre and the body's angular velocity. A joint
 constrains V by J V = b, with its Jacobian J and its prescribed rates b; at a limit the constraint
-is J V >= b. A joint transmits an impulse only if its force has no bound. In an instantaneous impact
-springs, joints with a finite ``max_force`` and joints outside a space transmit no impulse. A limit
-(of a slide, groove, rotary limit or ratchet joint) acts only while it is reached, and pushes in one
-direction. The signs are those of the Chipmunk sources (cpSlideJoint.c and its siblings).
+is J V >= b. In an instantaneous impact a joint transmits an impulse only if its force has no bound.
+Springs and joints with a finite ``max_force`` transmit none, nor do joints that have not been added
+to a space. A limit (of a slide, groove, rotary limit or ratchet joint) acts only while it is
+reached, and pushes in one direction. The signs are those of the Chipmunk sources (cpSlideJoint.c
+and its siblings).
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components

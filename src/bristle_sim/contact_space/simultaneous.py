@@ -2,22 +2,22 @@
 energy.
 
 Let the columns of B be the contacts' Jacobian rows, scaled by the inverse square root of the mass
-and made orthogonal to the joints' rows. Impulses p then change the contact velocities v by W p with
-W = B^T B, and the kinetic energy by p.(v + W p/2). Compression ends with the impulses after which
-no contact approaches (Moreau's plastic impact). With the velocities after them, the conditions are
+and made orthogonal to the joints' rows. Impulses p change the contact velocities from v to
+u = v + W p with W = B^T B, and the kinetic energy by p.(v + W p/2). Compression ends with the
+impulses after which no contact approaches (Moreau's plastic impact). The conditions are
 
-    v_n >= 0,  p_n >= 0,  v_n p_n = 0,  |p_t| <= mu p_n,  and in slip p_t = -mu p_n sign(v_t).
+    u_n >= 0,  p_n >= 0,  u_n p_n = 0,  |p_t| <= mu p_n,  and in slip p_t = -mu p_n sign(u_t).
 
-Without friction these impulses minimise the kinetic energy. They are found by the projected
-gradient method with Nesterov's momentum, which is restarted where it leads uphill (O'Donoghue and
-Candes 2015). The step is D^-1 with the diagonal matrix D_ii = sum_kj |B_ki B_kj|, for which D - W
-is positive semidefinite.
+Without friction these impulses minimise the kinetic energy. With friction too they are found by the
+projected gradient method with Nesterov's momentum, which is restarted where it leads uphill
+(O'Donoghue and Candes 2015). The step is D^-1 with the diagonal matrix D_ii = sum_kj |B_ki B_kj|,
+for which D - W is positive semidefinite.
 
 Restitution adds the impulses e p_n and e p_t (Poisson). If contacts approach afterwards, a second
-plastic impact follows. Because p.v <= -p.W p for plastic impulses, the impulses (1 + e) p do not
-increase the energy for any e <= 1. Finally the sum p of all impulses is multiplied by min(1, -2
-p.v/(p.W p)). The impulses remain in the friction cones, and no energy is gained even if the
-iteration has not converged.
+plastic impact follows. The conditions give p.u <= 0, that is p.v <= -p.W p. The impulses (1 + e) p
+therefore do not increase the energy for any e <= 1. Finally the sum p of all impulses is multiplied
+by -2 p.v/(p.W p), limited to the range from 0 to 1. The impulses remain in the friction cones, and
+no energy is gained even if the iteration has not converged.
 """
 
 from __future__ import annotations

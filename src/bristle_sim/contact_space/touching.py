@@ -116,9 +116,10 @@ class StepMotion:
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
-        """Move bodies for a time with the velocities that moved them in the step.
+        """Move bodies on for a time, with the velocities by which the last step changed their places.
 
-        A negative time moves the bodies back.
+        These are not the velocities that the bodies have after the step. A negative time moves the
+        bodies back.
         """
         for body in bodies if time else ():
             raw = body._body

@@ -55,9 +55,11 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
 
     All lengths are divided by the bristle's length: the hub's radius rho is ``radius``, the
     distance S from the hub's axis to the bar's centre is ``distance``, and the sum R of the radii
-    of bar and wire is ``reach``. The wire touches with its flank where S sin chi = -R, and with its
-    end where S^2 + (1 + rho)^2 - 2 S (1 + rho) cos chi = R^2. The angle is infinite if the wire is
-    too short to reach the bar.
+    of bar and wire is ``reach``. The angle is negative, since the wire touches the bar before it
+    points at the bar's centre. A wire that is long enough touches with its flank, and then
+    S sin chi = -R. A shorter wire touches with its end, and then
+    S^2 + (1 + rho)^2 - 2 S (1 + rho) cos chi = R^2. The angle is infinite if the wire is too short
+    to reach the bar.
     """
     foot = np.sqrt(np.maximum(distance**2 - reach**2, 0.0)) - radius
     cosine = (distance**2 + (1.0 + radius) ** 2 - reach**2) / (2.0 * distance * (1.0 + radius))

@@ -101,11 +101,12 @@ def lie(passes: Passes, accuracy: float) -> Chosen:
     """Advance wires that lie on the bar to the end of the contact, or until the bar touches another
     part of the wire.
 
-    If the pressure falls to zero within a segment, it is assumed not to rise above zero later in
-    the same segment.
+    The pressure between wire and bar is computed at the ends of the contact's segments. It is
+    assumed to be positive within a segment if it is positive at both ends.
 
     Returns:
-        The code of each pass's state, ``LIES`` for a contact that continues.
+        The code of each pass's state after the advance. It is ``LIES`` if the wire still lies on the
+        bar, with another part.
     """
     columns = np.arange(passes.size)
     chi = half_turn(passes.hub_angle - passes.bar_angle)

@@ -232,7 +232,11 @@ class RigidContacts:
         return min(totals[: NUMBERS * len(self.closed) : NUMBERS]) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
-        """Return the friction limit of a contact minus the magnitude of its tangential force."""
+        """Return the friction limit of a contact minus the magnitude of its tangential force.
+
+        ``totals`` are the interval's forces and sums of all contacts, ``index`` is the contact's
+        place among the closed contacts.
+        """
         sums = sums_of(totals, index)
         return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
 

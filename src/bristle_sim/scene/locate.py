@@ -146,7 +146,7 @@ def _change(event: Event, interval: Interval) -> tuple[float, float] | None:
 def _zero(
     system: System, event: Event, interval: Interval, left: float, right: float
 ) -> IntervalResult:
-    """Return the result of the interval shortened to the zero of an event's value.
+    """Locate the zero of an event's value, and return the result of the interval that ends there.
 
     ``left`` and ``right`` are the values at the interval's ends, which have opposite signs.
     """

@@ -64,9 +64,10 @@ class Search:
 
     A condition is the target value of a quantity, or an upper limit; the target values come first.
     A point of the search is a set of parameters, each as a fraction of its range from 0 to 1. The
-    objective is minimised among the points that meet all conditions. It is the quantity ``goal``,
-    or its negative if that is maximised. If ``goal`` is empty, it is the sum of the squared changes
-    of the parameters from those of ``tool``, as fractions of their ranges.
+    objective is minimised among the points that meet all conditions. It is the quantity ``goal`` if
+    ``goal`` is to be minimised, and its negative if ``goal`` is to be maximised. If ``goal`` is
+    empty, it is the sum of the squared changes of the parameters from those of ``tool``, as
+    fractions of their ranges.
 
     Attributes:
         tool: the tool that gives the values of all other parameters.
@@ -75,10 +76,11 @@ class Search:
         at_most: upper limits, by quantity.
         goal: name of the quantity to minimise or maximise; empty if there is none.
         sense: 1 to minimise the quantity ``goal``, -1 to maximise it.
-        surveyed: sampled points whose passes have all quantities, shape (parameters, points).
+        surveyed: sampled points at which the quantities of all conditions and of the objective
+            exist, shape (parameters, points).
         spread: standard deviation of each quantity among the sampled points. Deviations from the
             conditions are divided by it.
-        present: point of the tool before the design, shape (parameters, 1). A parameter outside its
+        present: parameters of ``tool`` as a point, shape (parameters, 1). A parameter outside its
             range is moved to the nearest bound.
     """
 

@@ -224,7 +224,7 @@ def whole_planes(blasting: Blasting) -> Blasting:
 
 
 def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
-    """Strike a plane ground until it has the requested coverage, areal ratio or feed.
+    """Strike a ground, at first plane, as often as its coverage, areal ratio or feed speed requires.
 
     Args:
         blasting: parameters of the track and the ground.

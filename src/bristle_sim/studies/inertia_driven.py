@@ -122,8 +122,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
 
 
 def until_radial(tool: Tool, run: BareRun) -> Trajectory | None:
-    """Return the motion of the bristle, simulated without the bar, until the bristle is radial
-    again.
+    """Simulate a bristle without the bar, and return its motion until it is radial again.
 
     The result is None if the bristle never becomes radial again. ``run`` is a function that takes a
     tool and a duration (s) and simulates the tool for that time.

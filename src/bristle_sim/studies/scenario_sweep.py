@@ -113,7 +113,7 @@ class Swept:
 
     @property
     def complete(self) -> NDArray[np.bool_]:
-        """Whether no quantity is missing, for each point."""
+        """Whether all quantities are known, for each point."""
         return np.isfinite([each.values for each in self.quantities.values()]).all(axis=0)  # type: ignore[return-value]
 
 

@@ -189,11 +189,12 @@ class _Batches:
     def _lost(self, batch: list[Point], error: Exception) -> Iterator[tuple[Point, Outcome]]:
         """Handle a batch whose worker was lost.
 
-        Each point of the batch is tried again in a batch of its own. A point that alone has lost
-        ATTEMPTS workers counts as the cause of the losses. It is yielded with the reason.
+        Each point of the batch is tried again in a batch of its own. If a batch of one point has
+        lost ATTEMPTS workers, the point is given up: it is yielded with the reason. Before that an
+        empty batch tests whether any worker is left.
 
         Raises:
-            RuntimeError: if the workers cannot evaluate an empty batch either.
+            RuntimeError: if no worker evaluates the empty batch.
         """
         number, arguments = batch[0]
         self.losses[number] += len(batch) == 1

@@ -297,10 +297,11 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the bar's position with the centrifugal stiffness included, and the bristle's motion.
+    """Return the cue of a bristle with centrifugal stiffness: the bar's position and the swing.
 
-    The belt's damping is neglected; without damping the result is exact. ``retraction`` is that at
-    the release, rad.
+    The bristle's swing from its release to the radial direction obeys the centrifugal stiffness
+    too. The belt's damping is neglected; without damping the result is exact. ``retraction`` is
+    the retraction at the release, rad.
     """
     inertia = tool.bristle.inertia_about_root
     swing = (retraction, tool.belt.stiffness, field_stiffness(tool), inertia)

@@ -225,8 +225,8 @@ def smooth_pieces(time: Array, kinks: Collection[int] = ()) -> Pieces:
     A section lies between two neighbouring kinks or jumps, and has a positive length.
 
     Args:
-        time: times of all samples, s. Two samples at the same time, equal except for rounding
-            error, mark a jump.
+        time: times of all samples, s. Two successive samples whose times differ by no more than
+            rounding error mark a jump.
         kinks: indices of the samples at which a derivative jumps, for example at the beginning and
             the end of a sustained or compliant contact.
     """

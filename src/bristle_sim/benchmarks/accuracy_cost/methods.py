@@ -187,8 +187,9 @@ def scipy_flight(case: Case) -> list[Attempt]:
         return flown(found.y[:, -1], found.nfev)
 
     def stepped(method: str, tolerance: float) -> Run:
-        """Integrate the flight by a compiled method of ``ode``, which does not count its
-        evaluations.
+        """Integrate the flight by a compiled method of SciPy's ``ode``.
+
+        ``ode`` does not report the number of evaluations, so they are counted here.
         """
         calls = itertools.count()
 
