@@ -127,10 +127,9 @@ def grows(*families: Any) -> Figure:
 
 
 def linear(values: Any) -> Figure:
-    """Return the computed value for the statement that equally spaced samples lie on a straight
-    line.
+    """Return the deviation of equally spaced samples from a straight line, and its bound.
 
-    The value is the largest second difference, divided by the range of the samples. The statement
-    holds if the value is not larger than rounding error.
+    The deviation is the largest second difference, divided by the range of the samples. The samples
+    count as a straight line if it is not larger than rounding error.
     """
     return within(np.max(np.abs(np.diff(values, 2))) / np.ptp(values), 1e-12)

@@ -33,10 +33,11 @@ def half_turn(angle: Array) -> Array:
 def half_window(radius: Array, distance: Array, square: Array) -> Array:
     """Return the largest hub angle |chi| from the bar's direction (rad) at which D^2 <= ``square``.
 
-    D is the distance of the bar's centre from the root, and R the sum of the radii of bar and wire.
-    All lengths are divided by the bristle's length. The wire reaches the bar if D <= 1 + R, and
-    touches with its flank if D^2 <= 1 + R^2, otherwise with its end. The result is -1 if D^2 is
-    larger than ``square`` at every hub angle.
+    D is the distance of the bar's centre from the bristle's root, and R the sum of the radii of bar
+    and wire. All lengths are divided by the bristle's length. With ``square`` = (1 + R)^2 the
+    result is the largest angle at which the wire reaches the bar. With ``square`` = 1 + R^2 it is
+    the largest angle at which the wire's flank touches; at larger angles its end touches. The
+    result is -1 if D^2 is larger than ``square`` at every hub angle.
 
     Args:
         radius: radius of the hub.
@@ -194,9 +195,12 @@ def _flank_tilt(passes: Passes, distance: Array) -> Tilt:
 
 
 def _end_tilt(passes: Passes, distance: Array) -> Tilt:
-    """Return the angle between a wire touched at its end and the vector to the bar's centre.
+    """Return the angle at the root between a wire whose end touches the bar and the line to the
+    bar's centre.
 
-    By the law of cosines cos eta = (D^2 + 1 - R^2)/(2 D); ``distance`` is D.
+    The triangle of root, wire's end and bar's centre has the sides 1 (the wire), R (``reach``, the
+    sum of the radii of bar and wire) and D (``distance``, from root to bar's centre). The angle eta
+    at the root follows from cos eta = (D^2 + 1 - R^2)/(2 D).
     """
     rest = (1.0 - passes.reach**2) / distance
     cosine = 0.5 * (distance + rest)

@@ -118,6 +118,7 @@ class Scene:
         links: bodies of the links, in order from the root.
         joints: pivots of the links, in order from the root.
         joint_solver: solver of joints, damping and sustained contacts.
+        couples_links: whether ``joint_solver`` solves for the velocities of several links together.
         put: sets positions and velocities of all bodies.
         steps: number of steps taken.
         work: cost of the steps taken. A step costs 1 for up to ``LINKS_OF_A_STEP`` links, 2 for up
@@ -171,6 +172,7 @@ class Scene:
     def keep_closed(self, contacts: Sequence[ClosedPair]) -> None:
         """Keep these contacts, and no others, closed in all further steps."""
         solving = bool(contacts) or self.mechanism.jointed
+        self.couples_links = solving and not self.mechanism.single_link
         if solving is (self._solve is None):
             self._solve = self.joint_solver.solve if solving else None
             for spring, damping in self._dampings:

@@ -213,7 +213,7 @@ class Extrapolation:
             springs: forces of the contacts with springs. These forces differ forwards and backwards
                 in time, so steps with them are not symmetric.
         """
-        symmetric = scene.mechanism.jointed and not springs
+        symmetric = scene.couples_links and not springs
         halved = rigid is None and not (springs or symmetric)
         table = self.table = EVEN if symmetric else HALVED if halved else self._given
         least = 3 if symmetric or self.noise > FEW_REPETITIONS else 4

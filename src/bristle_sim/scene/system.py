@@ -47,19 +47,20 @@ class Plan:
         accuracy: requested relative accuracy.
         stop_after: name of an event that ends the run; None without such an event.
         longest_interval: longest interval between samples.
-        damped_interval: longest interval in which engine steps resolve damping.
+        damped_interval: length of an interval above which engine steps no longer resolve the
+            damping; infinite without damping.
         maximum_steps: largest number of engine steps; a step of a mechanism with many links counts
             several times.
         time_scale: time scale of the fastest motion: 1 for rigid links on their belt, less if
             hinges vibrate.
-        scale: angular velocity to which the errors of the motion are relative, at most 1.
+        scale: angular velocity by which errors of the motion are divided, at most 1.
         single_contact: whether the run simulates a single contact. Extremes of the motion are then
-            no events.
+            not recorded as events.
         instant: shortest time resolved. No force moves a link by more than the accuracy within it.
-        shortest: length of a very short interval. A contact force that falls to zero within it
-            counts as zero from the interval's start.
-        first_interval: longest first interval of a contact. The bound on the following intervals
-            grows from it.
+        shortest: length of an interval within which the fall of a contact force to zero is not
+            resolved. The force counts as zero from the interval's start.
+        first_interval: upper bound of the first interval after a contact begins. The bound grows
+            from interval to interval.
     """
 
     end: float
@@ -306,8 +307,8 @@ class System:
     def at_joint(self, pair: ContactPair) -> ContactPair:
         """Return the pair to which a touch is assigned.
 
-        If the link touches the bar at its joint, it is the pair of the neighbour nearer the root,
-        whose round end is at this joint. Otherwise it is ``pair`` itself.
+        A touch of the bar at the joint of a link with the next link towards the root belongs to
+        that next link, whose round end is there. Any other touch belongs to ``pair`` itself.
         """
         lower = self.neighbour(pair, -1)
         if lower is None or not isinstance(pair, BarPair):

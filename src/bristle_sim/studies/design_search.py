@@ -62,12 +62,12 @@ class Search:
     """The search for a tool: its conditions, the ranges of the varied parameters, and the
     objective.
 
-    A condition is the target value of a quantity, or an upper limit; the target values come first.
-    A point of the search is a set of parameters, each as a fraction of its range from 0 to 1. The
-    objective is minimised among the points that meet all conditions. It is the quantity ``goal`` if
-    ``goal`` is to be minimised, and its negative if ``goal`` is to be maximised. If ``goal`` is
-    empty, it is the sum of the squared changes of the parameters from those of ``tool``, as
-    fractions of their ranges.
+    A condition is a target value (``want``) or an upper limit (``at_most``) of a quantity. A point
+    of the search is a set of parameters, each as a fraction of its range from 0 to 1. The objective
+    is minimised among the points that meet all conditions. It is the quantity ``goal`` if ``goal``
+    is to be minimised, and its negative if ``goal`` is to be maximised. If ``goal`` is empty, it is
+    the sum of the squared changes of the parameters from those of ``tool``, as fractions of their
+    ranges.
 
     Attributes:
         tool: the tool that gives the values of all other parameters.

@@ -306,11 +306,12 @@ class WireStudy:
     """Measures of a wire's strike divided by those of the rigid bristle's strike.
 
     Attributes:
-        durations: durations (s) of the rigid bristle's contact, which stand for contact
-            stiffnesses.
-        by_duration: ratios at each of ``durations``, by name of the measure.
+        durations: the contact stiffnesses, each stated as the duration (s) of the contact that it
+            gives the rigid bristle.
+        by_duration: ratios at each of ``durations``, for the requested number of links, by name of
+            the measure.
         links: numbers of links.
-        by_links: ratios at each of ``links``, by name of the measure.
+        by_links: ratios at each of ``links``, for the requested stiffness, by name of the measure.
     """
 
     durations: Array

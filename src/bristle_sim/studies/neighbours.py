@@ -86,13 +86,20 @@ class NeighbourRow:
 def neighbours(
     tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False
 ) -> Report:
-    """Find the least angles between bristles by theory and by simulation, and simulate one row.
+    """Find the least pitches, by theory and by simulation, and simulate one row of bristles.
 
-    The simulated row has the requested angle between its bristles.
+    The pitch is the angle between the roots of neighbouring bristles. At a smaller one than the
+    least pitch, neighbours touch each other. The simulated row has the pitch that ``row`` requests.
+
+    Args:
+        tool: the tool.
+        row: number of bristles, pitch, and friction and restitution between wires.
+        settings: settings of the simulations.
+        with_reference: whether the row is also simulated by the reference.
 
     Raises:
-        ValueError: if the hub is at rest, wires bend or touch at the start, or a run exceeds the
-            step budget.
+        ValueError: if the hub is at rest, the wires are flexible, neighbours touch at the start, or
+            a run exceeds the step budget.
     """
     require_rigid(tool)
     if not tool.hub.speed:

@@ -171,8 +171,8 @@ def depth_from_force(
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
     """Return the root of an increasing function by Newton's method.
 
-    ``excess`` returns the function and its derivative. ``start`` must be just below the root, and 0
-    if the root is 0.
+    ``excess`` returns the function and its derivative. ``start`` must be a close lower bound of the
+    root. If the root is 0, it must be exactly 0.
     """
     root = np.asarray(start, dtype=float)
     step = np.array(math.inf)

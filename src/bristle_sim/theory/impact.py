@@ -27,6 +27,7 @@ the three coefficients.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import fields
 from typing import Any
@@ -37,7 +38,6 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_arguments import Arguments, first_text, impacts_of, single_impact
 from bristle_sim.theory.impact_phases import (
-    INFINITE,
     OUTCOMES,
     PHASES,
     End,
@@ -249,7 +249,7 @@ def _check_result(impact: Impact, arguments: Arguments) -> None:
     tangential = arguments["tangential"]
     normal_work = abs(impact.impulse_normal) * (abs(normal) + abs(impact.velocity_normal))
     speeds = abs(tangential) + abs(impact.velocity_tangential)
-    finite = normal_work + abs(impact.impulse_tangential) * speeds < INFINITE
+    finite = normal_work + abs(impact.impulse_tangential) * speeds < math.inf
     if finite is not True and not np.all(finite):
         velocity = first_text((normal, tangential), finite)
         diagonal = first_text((arguments["k_nn"], arguments["k_tt"]), finite)

@@ -38,12 +38,13 @@ Fawcett, Wear 38 (1976) 101-114.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.theory.impact_arguments import Arguments
 from bristle_sim.theory.impact_phases import (
-    INFINITE,
     JAM,
     KNIFE_EDGE,
     NO_REBOUND,
@@ -119,7 +120,7 @@ class Course:
         self.initial = contact.slip
         self.totals = [[0.0] * 5 for _ in PHASES]
         self.row = 0
-        self.slip_stop = 0.0 if self.initial == 0.0 else INFINITE
+        self.slip_stop = 0.0 if self.initial == 0.0 else math.inf
         self.phases = 0
         self.returns = 0
         self.kept: tuple[list[list[float]], float, float] | None = None
@@ -204,7 +205,7 @@ class Course:
             self.row = 2
         elif contact.slip != slip:
             self.row |= 1
-        if contact.slip != slip and self.slip_stop == INFINITE:
+        if contact.slip != slip and self.slip_stop == math.inf:
             self.slip_stop = sum(row[0] for row in self.totals)
 
     def load_again(self) -> None:

@@ -19,8 +19,6 @@ import numpy as np
 from bristle_sim.arrays import EqualByValue, Number
 from bristle_sim.theory.numbers import quotient, select, sign, square_root
 
-INFINITE = math.inf
-
 NO_CONTACT, REBOUND, NO_REBOUND, STICTION, JAM = range(5)
 OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
 """Names of the outcomes of an impact, by their codes.
@@ -184,12 +182,11 @@ End = Callable[[Number, Number, Target], Number]
 
 
 def energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
-    """Return the normal impulse (N s) at which restitution ends by the energetic coefficient.
+    """Return the normal impulse p (N s) of the phase in which restitution ends, by Stronge's rule.
 
-    ``velocity`` is the normal velocity, ``compliance`` its change per unit normal impulse.
+    The normal work v p + a p^2/2 must equal ``target.work``, with the normal velocity v at the
+    start of the phase (``velocity``) and its change a per unit normal impulse (``compliance``).
     """
-    # The root of v p + a p^2/2 = W in the form without cancellation; a work that underflows takes
-    # no impulse.
     work = select(target.work > 0.0, target.work, 0.0)
     root = square_root(velocity * velocity + 2.0 * compliance * work)
     return select(work > 0.0, quotient(2.0 * work, velocity + root), 0.0)
@@ -245,7 +242,7 @@ def resolve_phases(
     parted = select(state.normal > 0.0, REBOUND, NO_REBOUND)
     ending = select(restitution == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
     late = first.impulse + second.impulse + third.impulse
-    stop = select(first.stopped, first.impulse, select(third.stopped, late, INFINITE))
+    stop = select(first.stopped, first.impulse, select(third.stopped, late, math.inf))
     *columns, _, _ = zip(first, second, third, fourth, strict=True)
     impulses, slips, normal_works, tangential_works = np.array(columns).swapaxes(1, -1)
     return Impact(
@@ -265,7 +262,10 @@ def resolve_phases(
 
 
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
-    """Return the inverse mass matrix with its response in stick, computed if ``stick`` is None."""
+    """Return the inverse mass matrix with the normal compliance in stick, k_nn - k_nt^2/k_tt.
+
+    If ``stick`` is given, it is taken instead.
+    """
     ratio = select(k_tt > 0.0, quotient(k_nt, k_tt), 0.0)
     if stick is None:
         difference = k_nn - ratio * k_nt
@@ -327,13 +327,13 @@ def _phase(
         finish = quotient(-state.normal, normal_rate)
     else:
         rests = sticks & (normal_rate == 0.0) & (state.normal <= target.least)
-        finish = select(rests, INFINITE, end(state.normal, normal_rate, target))
+        finish = select(rests, math.inf, end(state.normal, normal_rate, target))
 
     slows = state.tangential * tangential_rate < 0.0
-    stop = select(slows, quotient(abs(state.tangential), abs(tangential_rate)), INFINITE)
+    stop = select(slows, quotient(abs(state.tangential), abs(tangential_rate)), math.inf)
     # With one degree of freedom, slip and compression stop at the same impulse, up to rounding error.
-    stopped = active & (stop <= finish * (1.0 + SINGULAR)) & (stop < INFINITE)
-    finished = active & (finish <= stop * (1.0 + SINGULAR)) & (finish < INFINITE)
+    stopped = active & (stop <= finish * (1.0 + SINGULAR)) & (stop < math.inf)
+    finished = active & (finish <= stop * (1.0 + SINGULAR)) & (finish < math.inf)
     step = select(finished, finish, select(stopped, stop, 0.0))
 
     normal = state.normal + normal_rate * step

@@ -11,7 +11,6 @@ import sys
 from dataclasses import dataclass
 from enum import Enum, auto
 
-from bristle_sim.theory.impact_phases import INFINITE
 from bristle_sim.theory.numbers import quotient
 
 NOISE = 64.0 * sys.float_info.epsilon
@@ -137,15 +136,15 @@ def slide(contact: Contact) -> tuple[Event, Sums]:
     kappa = contact.steep**2
     speed = contact.normal
     push = contact.push
-    stop = INFINITE
+    stop = math.inf
     if contact.friction > 0.0 and foot_gain < 0.0:
         stop = max(foot, 0.0) / -foot_gain
-    apart = INFINITE
+    apart = math.inf
     if contact.loading:
         line = quotient(-speed, gain)
     else:
         # N = 0 or N is back at its peak: roots of N^2(p) without cancellation.
-        line = INFINITE
+        line = math.inf
         left = (contact.peak - push) * (contact.peak + push) / kappa
         stored = push * push / kappa
         inside = speed * speed - gain * left
@@ -159,7 +158,7 @@ def slide(contact: Contact) -> tuple[Event, Sums]:
         elif beyond >= 0.0:
             apart = quotient(stored, speed + math.sqrt(beyond))
     impulse = min(stop, line, apart)
-    if impulse == INFINITE:
+    if impulse == math.inf:
         return Event.NEVER, (0.0, 0.0, 0.0, 0.0)
     event = Event.STOP
     if impulse == apart:

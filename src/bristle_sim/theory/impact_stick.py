@@ -26,7 +26,7 @@ import math
 from dataclasses import dataclass
 from operator import attrgetter
 
-from bristle_sim.theory.impact_phases import INFINITE, KNIFE_EDGE
+from bristle_sim.theory.impact_phases import KNIFE_EDGE
 from bristle_sim.theory.impact_springs import NOISE, Contact, Event, Sums
 
 STEEPEST_CONE = 1e150
@@ -151,7 +151,7 @@ class EventFunction:
             third = -fast.square * part * quick_slope - slow.square * calm_slope
             # On the border of stick, with modes of equal rates, the force keeps to the edge.
             if abs(bend) <= WIDE * rate * slope_noise and abs(third) <= FLAT * rate * most:
-                self.time = INFINITE
+                self.time = math.inf
                 return False
         if abs(slope) <= slope_noise:
             slope = 0.0
@@ -180,7 +180,7 @@ def parabola_root(value: float, slope: float, most: float) -> float:
     root = math.sqrt(slope * slope + 2.0 * most * value)
     if slope < 0.0:
         return 2.0 * value / (root - slope)
-    return (slope + root) / most if most else INFINITE
+    return (slope + root) / most if most else math.inf
 
 
 def modes_of(contact: Contact) -> tuple[float, float, complex]:
@@ -238,7 +238,7 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
         time = 0.0
         event = Event.NEVER if pressed else Event.SETTLED
     else:
-        balance = INFINITE
+        balance = math.inf
         if balances and contact.stick == 0.0 and contact.loading:
             balance = math.atan2(speeds.real, -fast.rate * forces.real) % math.pi / fast.rate
         time, event = _first_event(contact, (fast, slow), axis, still, balance)
@@ -306,7 +306,7 @@ def _first_event(
     while True:
         first = min(functions, key=attrgetter("time"))
         if first.time >= balance:
-            return balance, Event.NEVER if balance == INFINITE else Event.BALANCED
+            return balance, Event.NEVER if balance == math.inf else Event.BALANCED
         if first.advance():
             contact.slip = first.slip
             return first.time, Event.SLIP if first.slip else Event.LINE

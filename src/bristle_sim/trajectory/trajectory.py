@@ -118,9 +118,8 @@ class Trajectory(Motion):
         """A warning if the error estimate exceeds the requested accuracy more than a hundredfold.
 
         Otherwise it is an empty string. If the estimate is valid for the whole run, the warning
-        begins with "accuracy not reached". If the estimate is valid only up to an earlier time, the
-        warning begins with "error estimate". This time is that of chatter, or of a touch whose
-        speed is smaller than the error.
+        begins with "accuracy not reached". The estimate loses its validity at chatter, or at a
+        touch whose speed is smaller than the error. The warning then begins with "error estimate".
         """
         estimate = self.cost.error_estimate
         requested = self.parameters.get("settings", {}).get("accuracy")

@@ -139,7 +139,7 @@ def own_pass(case: Case) -> list[Attempt]:
         return Run(state_at_strike(run), run.cost.steps)
 
     def in_arrays(accuracy: float) -> Run:
-        """Compute ``PASSES`` copies of the pass at once by ``ensemble``."""
+        """Compute ``PASSES`` equal passes by one call of ``ensemble``, and return the first one."""
         many = ensemble(case.tool, accuracy=accuracy, hub_speed=[case.tool.hub.speed] * PASSES)
         columns = (many.contact_time, -many.lag_at_contact, many.relative_speed_at_contact)
         return Run(tuple(float(each[0]) for each in columns), 0)
