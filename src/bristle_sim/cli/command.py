@@ -127,7 +127,7 @@ def _run_command(name: str, given: Sequence[str], program: str) -> int:
 
 
 def overview() -> str:
-    """Return the text that lists the scenarios with their questions, the commands, and the usage.
+    """Return the usage of ``bristle-sim``, the scenarios with their questions, and the commands.
 
     The question of a scenario is read from the text of its script, because importing all scripts
     would take seconds.

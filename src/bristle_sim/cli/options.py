@@ -39,7 +39,7 @@ def deliver(
     contents: Mapping[str, Content],
     answer: str,
 ) -> None:
-    """Write each content to the file of its option, in order, and print the answer.
+    """Write the requested output files in the order of ``contents``, and print the answer.
 
     A text whose option is ``-`` is printed instead of the answer. An option without a file is
     skipped. Standard error lists the files except the JSON file.
@@ -157,10 +157,10 @@ class Parser(argparse.ArgumentParser):
 
 
 def value_of(read: Callable[[str], Any]) -> Callable[[str], Any]:
-    """Return a function that reads an option's value, and raises argparse's error if it is refused.
+    """Return a function that reads an option's value, and raises argparse's error for a bad value.
 
-    ``read`` raises ValueError for a refused value; its message begins with the option's name
-    without dashes.
+    ``read`` is a function that reads the value, and raises ValueError for a bad value. The message
+    of the ValueError begins with the option's name without dashes.
     """
 
     def reading(text: str) -> Any:

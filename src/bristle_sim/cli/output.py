@@ -36,7 +36,7 @@ LATER = 1e-3  # delay, s, after which a signal that arrived within pymunk is rep
 USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 if sys.platform != "win32":
     USUAL[signal.SIGHUP] = signal.SIG_DFL  # the terminal was closed
-"""Python's default handlers of the signals that end a computation in order, by signal."""
+"""Python's default handlers, by signal, of the signals that end a computation in good order."""
 
 
 @contextmanager

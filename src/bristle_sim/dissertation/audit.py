@@ -5,8 +5,8 @@ printed numbers and statements. The modules ``audit_chapter_2`` and ``audit_chap
 the values, each with the reason for its difference from print.
 
 A number counts as reproduced if the computed value lies within half a unit of the last printed
-digit. If a printed number was itself computed from rounded numbers, an allowance adds the effect of
-their rounding, and ``why`` says so. A computed value decides whether a statement in words holds.
+digit. If a printed number was itself computed from rounded numbers, the effect of their rounding is
+added to this tolerance, and ``why`` says so. A statement in words is checked by a computed value.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ NOT_COMPUTABLE = "not computable"
 SLACK = 1e-9
 """Tolerance for rounding error, as a fraction of the printed number.
 
-A computed value may differ from the printed number by exactly half a unit of its last digit."""
+It admits a computed value that differs by exactly half a unit of the last printed digit."""
 
 PRINTED = 22
 COMPUTED = 12

@@ -1,6 +1,6 @@
-"""Computed values for the audit of chapter 2 (Zhang 2020).
+"""Recomputed values of the numbers and statements printed in chapter 2 (Zhang 2020).
 
-The rows of chapters 1, 4 and 5 that print quantities of chapter 2 also use them.
+Some of these quantities are printed in chapters 1, 4 and 5 too; those numbers are also checked.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ printed_direction = math.atan2(*printed_position)
 
 
 def tool_figures() -> Figures:
-    """Return the computed values for section 2.2: speed, mass and belt stiffness of the tool."""
+    """Recompute printed numbers of section 2.2: speed, mass and belt stiffness of the tool."""
     # Turn of the hub from the printed position of the bar to the strike, rad.
     turn = printed_direction - plain_cue.tip_lag - plain_cue.impact_angle
     placed_stiffness = inertia * (0.5 * math.pi * tool.hub.speed / turn) ** 2
@@ -91,7 +91,7 @@ def tool_figures() -> Figures:
 
 
 def bar_figures() -> Figures:
-    """Return the computed values for section 2.2: the position and the radius of the bar."""
+    """Recompute printed numbers of section 2.2: the position and the radius of the bar."""
     off, stiff_off = (
         np.max(
             abs(1e3 * np.array([each.bar_horizontal, each.bar_vertical]) / printed_position - 1.0)
@@ -122,9 +122,7 @@ def bar_figures() -> Figures:
 
 
 def pass_figures() -> Figures:
-    """Return the computed values that need a simulated pass at the operating point (sections 2.2,
-    2.3).
-    """
+    """Check printed numbers and statements of sections 2.2 and 2.3 by a simulated pass."""
     # Samples are dense enough to read angles to 1e-4 deg.
     run = simulate_reference(tool, accuracy=1e-9, sample_interval=1e-6)
     strike, *later = [each for each in run.contacts if each.obstacle == "workpart"]
@@ -181,7 +179,7 @@ def resultant_impulse(friction: float) -> float:
 
 
 def compression_figures() -> Figures:
-    """Return the computed values for section 2.3: the compression phase of the bristle's impact."""
+    """Check printed statements of section 2.3 on the compression phase of the bristle's impact."""
     frictions = np.linspace(0.0, 1.0, 101)
     angles = np.radians([15.0, 20.0, 25.0, 30.0])[:, np.newaxis]
     over_angles = operating_strike(friction=frictions, impact_angle=angles)
@@ -243,7 +241,7 @@ def compression_figures() -> Figures:
 
 
 def restitution_figures() -> Figures:
-    """Return the computed values for section 2.3: the restitution phase of the bristle's impact.
+    """Check printed statements of section 2.3 on the restitution phase of the bristle's impact.
 
     In the remarks p_fy is the normal impulse at the end of the impact.
     """
@@ -293,9 +291,9 @@ def heavy_rod(mass_ratio: float) -> pendulums.DoublePendulumImpact:
 
 
 def pendulum_figures() -> Figures:
-    """Return the computed values for section 2.4: Stronge's single and double pendulums.
+    """Recompute printed numbers of section 2.4: Stronge's single and double pendulums.
 
-    One more value follows from the general impact law at the operating point.
+    One more value, the normal impulse of eq. 2.64, follows from the general impact law.
     """
     angles = np.radians([20.0, 40.0, 60.0, 80.0])
     bristle = monofilament_impact(1.0, 1.0, 0.0, 1.0, 1.0, angles, 0.31, 0.42).rebound_ratio

@@ -1,4 +1,4 @@
-"""Computed values for the audit of chapters 3 and 4: force history and crater (Zhang 2020)."""
+"""Recomputed values of the numbers printed in chapters 3 and 4: force and crater (Zhang 2020)."""
 
 from __future__ import annotations
 
@@ -42,14 +42,17 @@ exact = CraterKinematics.of_tool(tool, PRINTED_RATE)
 
 
 def _offset(curve: ForceCurve) -> float:
-    """Return the constant part of the bracket of (3.3) for a printed curve, N."""
+    """Return the constant term (N) of the bracket in (3.3), from a curve's swing and duration.
+
+    The swing is the amplitude of the cosine. With this term the force is zero at first touch.
+    """
     return ForceCurve.of_impact(
         1, 0, 2 * curve.swing, curve.duration
     ).offset  # F* is twice the swing
 
 
 def ball_force_figures() -> Figures:
-    """Return the computed values for section 3.1: the contact force of the ball over time."""
+    """Recompute printed numbers of section 3.1: the contact force of the ball over time."""
     ball_impulse = BALL.impulse(BALL_TIME)
     return {
         "eq. 3.5: constant part of the bracket": _offset(BALL),
@@ -75,7 +78,7 @@ def ball_force_figures() -> Figures:
 
 
 def segment_figures() -> Figures:
-    """Return the computed values for section 3.2: the bristle's impulse in ten equal segments."""
+    """Recompute printed numbers of section 3.2: the bristle's impulse in ten equal segments."""
     total = np.array(printed_segments(), dtype=float).sum()
     segments = 1e4 * segment_impulses(BALL, BRISTLE_IMPULSE, compression_time=BALL_TIME)
     roundings = segments * IMPULSE_ROUNDING
@@ -110,7 +113,7 @@ def segment_figures() -> Figures:
 
 
 def bristle_force_figures() -> Figures:
-    """Return the computed values for section 3.3: the contact force of the bristle over time."""
+    """Recompute printed numbers of section 3.3: the contact force of the bristle over time."""
     step = 0.1 * COMPRESSION_TIME
     mean_forces = 1e-4 * np.array(printed_segments(), dtype=float) / step
     # Fit of (3.3) to the mean forces of table 3.1 at the middles of the segments, with F* = 60 N.
@@ -148,7 +151,7 @@ def bristle_force_figures() -> Figures:
 
 
 def motion_figures() -> Figures:
-    """Return the computed values for section 4.1: the tip's motion and the width of the cut."""
+    """Recompute printed numbers of section 4.1: the tip's motion and the width of the cut."""
     drawn = PRINTED_KINEMATICS
     face = PRINTED_FACE
     reached = 1e6 * float(drawn.tip_displacement(COMPRESSION_TIME))
@@ -210,7 +213,7 @@ def motion_figures() -> Figures:
 
 
 def cutting_figures() -> Figures:
-    """Return the computed values for section 4.2.1: the angles and the force of cutting."""
+    """Recompute printed numbers of section 4.2.1: the angles and the force of cutting."""
     angles = oblique_angles(0.5, IMPACT_ANGLE)
     rake, beta, eta = (
         math.degrees(float(each)) for each in (angles.rake, angles.friction, angles.shear)
@@ -230,8 +233,9 @@ def cutting_figures() -> Figures:
 
 
 def plies_figures() -> Figures:
-    """Return the computed values for section 4.2.2: the crater depth as a sum over plies of equal
-    time.
+    """Recompute printed numbers of section 4.2.2: the crater depth as a sum over plies.
+
+    A ply is the layer of the chip that is cut in one of equal time steps.
     """
     buried = oblique_angles(0.31, IMPACT_ANGLE, check=False)
     under = 23.4 - math.degrees(buried.shear)
@@ -279,7 +283,7 @@ def plies_figures() -> Figures:
 
 
 def energy_figures() -> Figures:
-    """Return the computed values for section 4.3: the crater depth from work and energy."""
+    """Recompute printed numbers of section 4.3: the crater depth from work and energy."""
     printed = energy_coefficients()
     unrounded = energy_coefficients(exact)
     initial = kinetic_energy(0, unrounded)

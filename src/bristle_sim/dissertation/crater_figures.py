@@ -291,7 +291,8 @@ def _energy_sum(plies: int) -> float:
 def _friction(depth: float, impact_angle: float) -> float:
     """Return the friction coefficient at which the crater has a given depth (m), or NaN.
 
-    It is at least the tangent of the impact angle. It is NaN if no friction gives this depth.
+    The coefficient is at least the tangent of the impact angle. The result is NaN if no coefficient
+    gives this depth.
     """
     try:
         return float(friction_for_crater_depth(depth, impact_angle))
@@ -306,7 +307,7 @@ def _friction_of_printed_sum(depth: float, impact_angle: float) -> float:
     """
 
     def excess(logarithm: float) -> float:
-        """Return the relative excess of the depth at a friction whose logarithm is given."""
+        """Return d/``depth`` - 1, with the depth d at the friction coefficient exp(logarithm)."""
         friction = math.exp(logarithm)
         return _printed_sum(friction=friction, impact_angle=impact_angle) / depth - 1.0
 

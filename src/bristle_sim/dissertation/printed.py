@@ -118,18 +118,20 @@ def above(value: Any, bound: float, why: str = "") -> Figure:
 
 
 def grows(*families: Any) -> Figure:
-    """Return the computed value for the statement that curves increase.
+    """Return the smallest increase along curves, and whether all curves increase.
 
-    Each array holds samples of one or several curves along its last axis. The value is the smallest
-    increase between neighbouring samples, divided by the range of all samples in its array.
+    Each array of ``families`` holds samples of one or several curves along its last axis. An
+    increase is the difference between neighbouring samples, divided by the range of all samples in
+    the array. All curves increase if the smallest increase is positive.
     """
     return above(min(np.min(np.diff(values)) / np.ptp(values) for values in families), 0.0)
 
 
 def linear(values: Any) -> Figure:
-    """Return the deviation of equally spaced samples from a straight line, and its bound.
+    """Return the deviation of equally spaced samples from a straight line, and whether they lie on
+    one.
 
     The deviation is the largest second difference, divided by the range of the samples. The samples
-    count as a straight line if it is not larger than rounding error.
+    lie on a straight line if the deviation is not larger than rounding error.
     """
     return within(np.max(np.abs(np.diff(values, 2))) / np.ptp(values), 1e-12)

@@ -128,8 +128,8 @@ def _draw_strike(
     return wire, np.concatenate([during, after])
 
 
-# Distance (deg) of two simulated pitches from the least pitch between them. They show how the strike
-# changes at the least pitch.
+# Distance (deg) from each least pitch to the simulated pitches just below and just above it. They
+# show how the strike changes at the least pitch.
 BESIDE = 0.02
 STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
@@ -138,9 +138,9 @@ LEAST = {
     "least_pitch_to_own_strike_deg": ("no touch until the bristle itself strikes", "--"),
     "least_pitch_whole_pass_deg": ("no touch in the whole pass", "-."),
 }
-"""Labels and line styles of the least pitches, by name.
+"""Label and line style of each least pitch, by name.
 
-A label holds at all larger pitches."""
+The label states what is true at all larger pitches."""
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
@@ -221,8 +221,9 @@ def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
 def instants(row: NeighbourRow) -> list[tuple[str, float]]:
     """Return names and times (s) of the two moments at which the row is drawn.
 
-    They are the first touch between wires, and the last touch before the last bristle strikes. If
-    there is no such touch, they are the strikes of the first and of the last bristle.
+    Only touches between wires before the last bristle's strike count. The first moment is the first
+    touch, or the strike of the first bristle if there is no touch. The second moment is the last
+    touch, or the strike of the last bristle if there is no second touch.
     """
     front = row.bristles[0].event_time("strike")
     strike = row.bristles[-1].event_time("strike")

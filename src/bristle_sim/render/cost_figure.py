@@ -46,7 +46,7 @@ LEAST = 1e-16  # smallest error drawn: an error of 0 has no logarithm
 def cost_figure(measured: AccuracyCost) -> Figure:
     """Draw error against CPU time, one panel for each test case.
 
-    Failed attempts are left out.
+    Each point is one method with one setting of its accuracy. Failed computations are left out.
 
     Raises:
         ValueError: if no case was measured.

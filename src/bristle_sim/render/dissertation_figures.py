@@ -31,7 +31,9 @@ from bristle_sim.render.style import (
 
 CELL = (8.25, 5.9)
 PAGE_CELL = (15.0, 8.2)
-"""Width and height (cm) of a panel with its scales, if there are several on the page and if not."""
+"""Width and height (cm) of a panel with its scales.
+
+``CELL`` is for a page with several panels, ``PAGE_CELL`` for a page with a single panel."""
 
 REST = 2.2  # height of a page's title, note and legend of points, cm
 NOTHING = 1e-12  # largest value, in the unit shown, that counts as rounding error of zero

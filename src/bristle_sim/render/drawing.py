@@ -23,7 +23,7 @@ from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, MILLIMETRE
 # point of the wires
 BAR_SHOWN = 2.0
 POINTS = (
-    201  # number of points of a straight segment of wire whose distances from other wires are tried
+    201  # points on a straight segment of wire at which the distance to another wire is computed
 )
 HUB_COLOUR = "#f3f3f3"
 BAR_COLOUR = "#bdbdbd"
@@ -207,8 +207,8 @@ class WireDrawing:
     ) -> None:
         """Add the drawing to axes whose limits are final.
 
-        The wire is drawn to scale, plus half a point so that a thin wire is visible. ``radial``
-        adds the radial line through the root.
+        The thickness of the wire is drawn to scale, plus 1/144 inch so that a thin wire is visible.
+        ``radial`` adds the radial line through the root.
         """
         thickness = 0.5 + points_per_unit(axes) * tool.bristle.wire_diameter * MILLIMETRES
         ends: Look = {"solid_capstyle": "butt", "solid_joinstyle": "miter"}

@@ -37,13 +37,15 @@ LONGEST_FILM = 3600.0  # longest film, s
 # Number of nodes of a TimeWarp. Slow motion of an interval as short as 1/1000 of the run is still
 # smooth.
 NODES = 4001
-HEADER = 0.135  # height of the header, as a fraction of the picture; it has caption and read-outs
+# Height of the header with caption and read-outs, as a fraction of the picture's height
+HEADER = 0.135
 # Left edges of the read-outs in the header, as fractions of the picture's width
 LEFTS = (0.02, 0.25, 0.47, 0.735)
 # Resolution of a picture of default size. A picture of another size has another resolution, so that
 # letters and lines keep their size relative to the picture.
 DOTS_PER_INCH = 115.0
-# Number of colours in the palette of a gif, and number of frames from which it is taken
+# Number of colours in the palette of a gif, and largest number of frames from which the palette
+# is taken
 GIF_COLOURS = 64
 GIF_SAMPLES = 30
 
@@ -85,15 +87,15 @@ def slow_motion(
     """Return the ``TimeWarp`` of a film that is slower near chosen times of the run.
 
     The slow-down at the run time t is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)).
-    The t_i are the times ``focus``, and w = ``width`` (end - start). The factor s_0 makes the
-    integral of s(t) equal to the film's duration.
+    The t_i are the times ``focus``, and w = ``width`` (end - start) is a time, s. The factor s_0
+    makes the integral of s(t) equal to the film's duration.
 
     Args:
         start, end: first and last time of the run, s.
         duration: duration of the film, s.
         focus: times of the run at which the film is slowest, s.
         slower: ratio of the slow-down at these times to the slow-down far from them.
-        width: width w of a slow interval, as a fraction of the run.
+        width: the time w that scales a slow interval, as a fraction of the run's duration.
 
     Raises:
         ValueError: if ``end`` is not after ``start``, or ``duration`` or ``slower`` is out of
@@ -264,7 +266,10 @@ class Film(ABC):
 
 @lru_cache(maxsize=8)
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
-    """Return a font of matplotlib for the library Pillow, which draws text much faster."""
+    """Return one of matplotlib's fonts, of a given size in px, for drawing with the library Pillow.
+
+    Pillow draws text much faster than matplotlib does.
+    """
     return ImageFont.truetype(
         str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size
     )

@@ -32,8 +32,8 @@ BESIDE = 0.25
 def force_figure(comparison: ForceComparison) -> Figure:
     """Draw the contact force (N) over time (us).
 
-    One curve is the formula of chapter 3 or a fit to a measured force. Measured points, and the
-    resultant and the components of a simulated force, are drawn if they exist.
+    One curve is the formula of Zhang (2020, chapter 3) or a fit to a measured force. Measured
+    points are drawn if they exist. So are the resultant and the components of a simulated force.
     """
     curve = comparison.curve
     measured = comparison.measured

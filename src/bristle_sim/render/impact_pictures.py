@@ -123,8 +123,8 @@ BEFORE = 0.10
 AFTER = 0.18
 # Length of the arrow of the largest force, as a fraction of the height of the enlarged drawing
 LONGEST_FORCE = 0.28
-# Depth of the tip at separation, as a fraction of the largest depth, from which on a text in the
-# picture explains it
+# Smallest depth of the tip at separation that a text in the picture explains, as a fraction of the
+# largest depth
 CRATER = 0.02
 ROD = "#bcd9ec"  # colour of the enlarged end of the rod
 ROD_WIDTH = 16.0  # width of the enlarged end of the rod, not to scale, points of 1/72 inch
@@ -311,7 +311,7 @@ class ImpactFilm(Film):
         Args:
             bottom: lower edge of the panel, as a fraction of the picture.
             name: name of the vector, ``velocity`` or ``force``.
-            where: rest of the panel's label.
+            where: second part of the panel's label, such as ``of the tip``.
             unit: SI unit of the vector.
         """
         motion = self.motion

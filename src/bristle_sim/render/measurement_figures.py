@@ -47,7 +47,7 @@ def measured_figure(compliance: float) -> Figure:
     The panels show the ratio of tangential velocities, the spin and the rebound angle. Points are
     measurements. One curve is computed for a contact that is rigid along the surface, the other for
     a contact that is elastic along it. ``compliance`` is the ratio of tangential to normal
-    compliance of this contact.
+    compliance of the elastic contact.
     """
     figure = blank_figure(16.0, 7.2)
     angle = np.linspace(0.5, 62.0, 400)

@@ -23,18 +23,18 @@ TRIED = 0.4
 LINE_SHOWN = 0.001
 RETRACTION_SHOWN = 0.001
 SPEED_SHOWN = 0.01
-"""Largest permitted errors of the page's interpolation, in mm, degrees and m/s.
+"""Largest permitted errors of the page's interpolation: of the wire's centre line (mm), of the
+retraction (degrees) and of the tip speed (m/s).
 
-They are those of the centre line, the retraction and the tip speed. Each is at most a tenth of the
-last digit that the page shows."""
+Each is at most a tenth of the last digit that the page shows."""
 
 FINEST_FORCE = 0.01
 FORCE_RATIO = 1e-3
-"""Smallest place value (N) of the last digit of a force on the page, and its smallest ratio to the
+"""Smallest place value of the last digit of a force on the page: in N, and as a fraction of the
 largest force of the contact.
 
-The ratio bounds the number of nodes. The force of a contact that lasts 0.4 ns reaches 10 MN, and to
-show it to 10 mN would take a hundred thousand nodes."""
+The fraction bounds the number of times between which the page interpolates. The force of a contact
+that lasts 0.4 ns reaches 10 MN. To show it to 10 mN would take a hundred thousand such times."""
 
 FORCE_ERROR = (
     0.09  # largest permitted error of the force, divided by the place value of its last digit

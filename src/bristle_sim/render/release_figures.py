@@ -112,7 +112,7 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
 
 @styled()
 def inertia_figure(driven: InertiaDriven) -> Figure:
-    """Draw the motion of a bristle cued by a bar, and of one that is thrown by its own inertia.
+    """Draw the motion of a bristle that a bar holds back, and of one thrown by its own inertia.
 
     One panel shows the retraction (degrees) over the hub's angle of rotation. The other shows the
     angular velocity relative to the hub (rad/s) over the retraction.

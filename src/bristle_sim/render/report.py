@@ -36,15 +36,15 @@ LIBRARIES = (
     "scipy",
     "pymunk",
     "matplotlib",
-)  # libraries whose version may change a digit or a line
+)  # libraries whose versions a page states, since they may change its numbers or figures
 BEFORE_UNIT = re.compile(
     r"(?<=\d) (?=(?:[mµnk]?(?:s|m|N|J|W|Hz|g)|m/s|rad/s|rpm|mN|µN|%|°|deg)\b|%|°)|(?<=N) (?=[sm]\b)"
 )
-"""A space between a number and its unit, or within a unit."""
+"""Pattern of the space between a number and its unit, or within a unit such as N m."""
 
 ALIGNED = re.compile(
     r"\S {3,}\S|\n"
-)  # pattern of a table line in plain text; the page has a table of its own
+)  # pattern of a plain-text table; the page leaves it out, since it has an HTML table instead
 MEDIA = {".png": "image/png", ".mp4": "video/mp4", ".gif": "image/gif"}
 
 
@@ -183,7 +183,8 @@ def _write(path: Path, template: str, **content: Any) -> None:
 def verdict(report: Report) -> str:
     """Return a sentence that states how many compared quantities are within their tolerance.
 
-    The sentence names the quantities that are not. It is empty if no quantity has a tolerance.
+    The sentence also names the quantities outside their tolerance. It is empty if no quantity has a
+    tolerance.
     """
     judged = [row for row in report.quantities if row.ok is not None]
     missed = [row.label for row in judged if not row.ok]

@@ -41,7 +41,9 @@ OUTCOMES = {
     "does not strike": GREY,
     "refused": LIGHT,
 }
-"""Colour of each outcome, as worded in sentences, on pages and maps."""
+"""Colour of each outcome of a strike on pages and maps.
+
+The keys are the outcomes as they are worded in sentences."""
 
 SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 """Colours of curves, in their order."""
@@ -70,7 +72,10 @@ STRIKE_LOOKS: dict[str, tuple[str, str, float]] = {
     "normal_compressive_work": ("normal work of compression", "mJ", -1e3),
     "crater_depth": ("crater depth", "µm", 1e6),
 }
-"""Quantities of a strike: title, unit shown, and the factor that converts SI units to it."""
+"""Title, unit shown, and factor from the SI unit to the unit shown, for quantities of a strike.
+
+The work of compression is negative. Its factor is negative too, so that the value shown is
+positive."""
 
 
 @contextmanager
@@ -181,10 +186,10 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
 
 
 def span_at_least(axes: Axes, fraction: float) -> None:
-    """Widen the range of the vertical axis, if necessary, to a fraction of its largest magnitude.
+    """Widen the range of the vertical axis to at least ``fraction`` times its largest magnitude.
 
-    Rounding error in a constant then does not look like scatter. The tick labels show full values
-    instead of differences from an offset.
+    Rounding error in a constant quantity then does not look like scatter. The tick labels show full
+    values instead of differences from an offset.
     """
     low, high = axes.get_ylim()
     missing = fraction * max(abs(low), abs(high)) - (high - low)

@@ -100,8 +100,8 @@ def _show_heights(axes: Axes, made: BlastedSurface, picture: Array) -> AxesImage
 def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
     """Draw the roughness profile through the middle of the surface.
 
-    It is the height minus the Gaussian mean line. In each section the range from the lowest to the
-    highest point is shaded.
+    The profile is the height minus the Gaussian mean line. In each section the range from the
+    lowest to the highest point of the profile is shaded.
     """
     step = made.blasting.ground_length / made.heights.shape[1]
     cutoff = made.blasting.cutoff_wavelength

@@ -48,7 +48,7 @@ PERCENTILES = (1.0, 99.0)
 
 A single extreme value would otherwise take most of the scale."""
 
-MANY = 60  # number of points from which on a line is drawn without marks at its points
+MANY = 60  # smallest number of points of a curve that is drawn without marks at its points
 
 
 @styled()
@@ -129,7 +129,7 @@ def ensemble_figure(many: Ensemble, keys: Sequence[str]) -> Figure:
 
 
 MOST = 6  # largest number of inputs shown for each output
-BAR = 0.36  # width of a bar; each input has two bars, and the inputs are 1 apart
+BAR = 0.36  # width of a bar, as a fraction of the distance between inputs; each input has two bars
 
 
 @styled()
@@ -137,7 +137,8 @@ def tolerance_figure(study: Study) -> Figure:
     """Draw the scatter of each output, and the inputs that cause it.
 
     A histogram of the output shows its mean and the interval that contains 95 % of the passes. Bars
-    show the Sobol indices of the most influential inputs.
+    show the Sobol indices of the most influential inputs: the fractions of the output's variance
+    that an input causes alone (first-order) and with all its interactions (total).
     """
     figure = blank_figure(16.0, 3.8 * len(study.outputs) + 1.2)
     places = figure.subplots(len(study.outputs), 2, squeeze=False)
@@ -205,7 +206,7 @@ def map_figure(found: CueMap, x: Array, y: Array, maps: Mapping[str, Array]) -> 
     """Draw maps of four quantities of the strike over the bar's position.
 
     The quantities are lag, tip speed, normal work of compression and crater depth. A white cell is
-    a position of the bar that leads to no cued strike.
+    a position of the bar at which the bristle does not strike after it has left the bar.
 
     Args:
         found: the study, with the bar positions to mark.

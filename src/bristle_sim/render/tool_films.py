@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 CAPTION_SHOWN = 0.5  # time in the film for which the caption of the strike is shown, s
 ROW_SLOWER = 10.0
 ROW_AFTER = 0.15
-"""In the film of a row: factor between the slow-down at touches and strikes and that far from them;
-and time shown after the last bristle's strike, as a fraction of the time shown before it."""
+"""In the film of a row: the slow-down at touches and strikes, divided by that at other times; and the
+time shown after the last bristle's strike, divided by the time shown before this strike."""
 
 
 class ToolFilm(Film):
@@ -97,7 +97,7 @@ def pass_film(
         tool: tool with the hub, bar and workpart to draw.
         width, height: size of the picture, px.
         duration: duration of the film, s.
-        slower: factor between the slow-down at the strike and that far from it.
+        slower: slow-down at the strike, divided by the slow-down far from it.
         until: last time of the run shown, s; by default shortly after the tip has left the
             workpart.
     """

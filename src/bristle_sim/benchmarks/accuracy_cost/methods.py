@@ -1,7 +1,7 @@
 """Attempts at the cases by this project and by SciPy's integrators.
 
-This project's attempts use its public functions, and the time steppers in them. SciPy's integrators
-have fast right-hand sides in plain Python.
+An attempt by this project calls one of the public functions, or a time stepper that they contain.
+An attempt by SciPy integrates equations of motion that are written in Python.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def own_flight(case: Case) -> list[Attempt]:
 def _flight_of_built_scene(case: Case) -> list[Attempt]:
     """Return the attempts at a flight by extrapolation and by equal engine steps.
 
-    The model is built before the timing, as the other packages do.
+    The model is built before the timing, as for the other packages.
     """
     scene, units = build_tool(case.tool, hub_start=0.0)
     hub_speed = scene.mechanism.hub_speed

@@ -28,8 +28,8 @@ HEYOKA_TOLERANCES = tuple(10.0**-power for power in range(1, 17))
 def heyoka_flight(case: Case) -> list[Attempt]:
     """Return one attempt at a flight for each tolerance of heyoka's Taylor series.
 
-    An attempt contains the function to be timed. This function uses an integrator that has been
-    compiled for its tolerance beforehand.
+    The integrators, one for each tolerance, are compiled beforehand. The CPU time of an attempt
+    therefore does not include the compilation.
     """
     library: Any = importlib.import_module("heyoka")
     angle, rate = library.make_vars("angle", "rate")
@@ -184,10 +184,10 @@ class MujocoModel:
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Integrate until the tip is below the workpart's surface.
+        """Integrate until the tip is below the workpart's surface, and return an earlier state.
 
-        The integration proceeds in blocks of ``block`` steps. The state before the last block is
-        returned.
+        The integration proceeds in blocks of ``block`` steps. The returned state is that before the
+        last block.
         """
         while True:
             before = self._state()

@@ -28,6 +28,7 @@ from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.readable import WIDTH, amount, finite
 
 Offers = dict[str, Callable[[Any], list[Attempt]]]
+"""Functions that return a package's attempts at a case, by the name of the package."""
 
 FLIGHT: Offers = {
     OURS: methods.own_flight,

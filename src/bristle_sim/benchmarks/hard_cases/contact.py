@@ -42,11 +42,11 @@ rest."""
 
 
 def chatter() -> Iterator[HardCase]:
-    """Yield cases of a wire that bounces on an obstacle, ever faster, until it lies there.
+    """Yield cases of a wire that bounces on an obstacle at ever shorter intervals until it rests.
 
-    Two wires on a stiff, damped belt bounce on the bar. Two hinged wires fall on the workpart. An
-    impact multiplies the speed by the coefficient of restitution e. Each interval between impacts
-    is therefore about e times as long as the previous interval.
+    In two cases a wire on a stiff, damped belt bounces on the bar. In two others a wire on a hinge
+    falls on the workpart. An impact multiplies the speed by the coefficient of restitution e. Each
+    interval between impacts is therefore about e times as long as the previous interval.
     """
     pressed = TOOL.replace(
         belt_stiffness=100.0 * TOOL.belt.stiffness, belt_damping_ratio=0.3, workpart=None
@@ -176,9 +176,9 @@ def _jams() -> Finding:
     bar_x, bar_y = tool.bar.centre
 
     def gap(hub_angle: float) -> float:
-        """Return the gap between bar and wire (m) at a hub angle (rad).
+        """Return the gap (m) between bar and wire at a hub angle (rad); the tip is on the workpart.
 
-        The tip is on the workpart.
+        The gap is negative if the wire overlaps the bar.
         """
         angle = math.acos((tool.workpart_depth - ROOT * math.cos(hub_angle)) / LENGTH)
         x = bar_x - ROOT * math.sin(hub_angle)

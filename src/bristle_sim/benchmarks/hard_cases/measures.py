@@ -22,7 +22,7 @@ class Finding:
 
     Attributes:
         reached: the result in words, the same in every run.
-        ok: whether the promise was kept.
+        ok: whether the result satisfies the condition (the promise) of the case.
         steps: number of engine steps.
     """
 
@@ -120,7 +120,8 @@ def agrees_with_reference(
     """Check that a simulation agrees with the reference solution.
 
     The stop reasons must be equal. The last states and the first strikes must agree within
-    ``limit``, which is also the accuracy requested of the simulation.
+    ``limit``, which is also the accuracy requested of the simulation. A run ends after the event
+    ``stop_after``, or when the hub has turned by ``hub_turn``, rad.
     """
     # Imported here, so that themes without a reference do not load its integrator.
     from bristle_sim.reference import simulate_reference

@@ -52,9 +52,9 @@ def released(name: str, accuracy: float, **changes: float) -> HardCase:
 
 
 def _agrees_with_energy_integral(tool: Tool, accuracy: float) -> Finding:
-    """Check the highest angular velocity after an undamped release from rest, and its time.
+    """Check the highest angular velocity after an undamped release from rest, and when it occurs.
 
-    The expected values follow from the energy integral.
+    The expected velocity and time follow from the energy integral.
     """
     run = simulate(
         tool, Settings(accuracy=accuracy), **RELEASED, stop_after="highest relative speed"

@@ -138,7 +138,7 @@ The slip stops before restitution ends, so that rounding errors are little magni
 TWO_RODS_LIMIT = TWO_ROD_ROUNDING + 0.5 * ROUNDINGS * EPSILON * float(
     np.linalg.cond(contact_inverse_mass(TWO_RODS))
 )
-"""Largest relative error of an impact of two rods near a critical friction.
+"""Largest permitted relative error of an impact of two rods near a critical friction.
 
 It is the fraction of a speed that the closed form treats as 0, plus rounding error times the
 condition number of the inverse mass matrix at the contact."""

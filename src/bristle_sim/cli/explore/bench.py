@@ -39,10 +39,15 @@ SLIDERS = {
     "tangential_compliance": (0.0, 1.5),
     "wire_links": (1.0, 12.0),
 }
-"""Ranges of sliders, in SI units. Other sliders run from a third to three times the first value."""
+"""Ranges of sliders, in SI units or deg, by parameter.
+
+Other sliders run from a third of the parameter's first value to three times this value."""
 
 UNMAPPED = ("knee_angle_deg", "contact_duration")
-"""Parameters of a tool over which no map is drawn, besides those of other laws and whole numbers."""
+"""Parameters of a tool over which no map is drawn.
+
+Nor is a map drawn over settings, over whole numbers, or over parameters that have an effect only
+together with a certain value of another parameter."""
 
 PROGRAM = "bristle-sim cue_and_impact"
 """Command that simulates a pass on the command line."""
@@ -178,8 +183,10 @@ PRESETS = {
     "35 mm wire, 1800 rpm": "hub_speed=1800 rpm&hub_radius=40 mm&bristle_length=35 mm&wire_diameter=0.9 mm"
     "&belt_stiffness=0.05 N m/rad&bar_radius=6 mm&bar_horizontal=66.59 mm&bar_vertical=33.02 mm",
 }
-"""Example tools by label. The parameters that differ from the default tool are written KEY=VALUE,
-joined by &. All tools except Zhang's strike radially."""
+"""Example tools by label.
+
+The parameters that differ from those of the default tool are written KEY=VALUE, joined by &. The
+wire is radial when it strikes, except in the tool of Zhang (2020)."""
 
 
 def download(pass_of: Scenario, typed: Values, suffix: str) -> dict[str, bytes]:

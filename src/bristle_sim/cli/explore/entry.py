@@ -23,11 +23,10 @@ MOST_PORTS = 65535
 
 
 def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
-    """Show an interactive page in a notebook, with a control for every parameter of a tool and its
-    pass.
+    """Show an interactive page in a notebook: controls for a tool's parameters, and its motion.
 
     Args:
-        tool: the first tool; by default that of the dissertation.
+        tool: tool that is shown first; by default that of the dissertation.
         height: height of the frame, px.
 
     Returns:

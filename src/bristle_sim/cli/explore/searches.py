@@ -88,7 +88,7 @@ def _coded(numbers: Array) -> str:
 def limits_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
     """Return a sentence on the values of the map's first parameter at which the outcome changes.
 
-    ``on`` is the JSON text of ``map_of``.
+    ``on`` is the JSON text that describes the map, as for :func:`map_of`.
     """
     tool = build_parameters(Tool, pass_of.values_of(typed))
     key, *ends = json.loads(on)["x"]
@@ -98,8 +98,8 @@ def limits_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
 def design_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
     """Find a tool whose pass attains the target values, and return its parameters and a sentence.
 
-    The two parameters of the map are varied in the ranges of the map. ``on`` is the JSON text of
-    ``map_of`` with a further entry ``want``.
+    The two parameters of the map are varied in the ranges of the map. ``on`` is the JSON text that
+    describes the map, as for :func:`map_of`. Its further entry ``want`` holds the target values.
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(typed))

@@ -55,7 +55,8 @@ KINDS = {
 }
 """Module and name of the function that answers a request, by the name of the request.
 
-A module is imported by the first request that needs it: the searches import as much as a run."""
+A module is imported only when a request needs it, since ``searches`` imports as many further
+modules as ``bench``."""
 
 Answer = dict[str, Any]
 
@@ -110,7 +111,7 @@ class Worker:
         self._end_after(GRACE, STOPPED)
 
     def rest(self) -> bool:
-        """Wait for the next computation, and return whether the process still runs."""
+        """Cancel the time limits of the finished computation; return whether the process runs."""
         while self._timers:
             self._timers.pop().cancel()
         return self._process.poll() is None
