@@ -61,7 +61,7 @@ def show_wires(axes: Axes, tool: Tool, lines: ArrayLike, margin: float = 0.05) -
         axes: the axes.
         tool: tool whose bar and workpart are to be visible.
         lines: points of the wires, shape (..., 2), m.
-        margin: width of the free border, as a fraction of the larger extent.
+        margin: width of the free border, as a fraction of the drawing's larger extent.
     """
     wires = np.asarray(lines)
     points = [wires]
@@ -107,7 +107,7 @@ def draw_wires(
         tool: the tool.
         lines: points of the wires, shape (..., 2), m. They determine the limits of the axes.
         colors: colours of the wires.
-        margin: width of the free border, as a fraction of the larger extent.
+        margin: width of the free border, as a fraction of the drawing's larger extent.
         radial: whether the radial line through each root is drawn.
     """
     show_wires(axes, tool, lines, margin)

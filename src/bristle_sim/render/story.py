@@ -1,4 +1,4 @@
-"""The phases and events of a run that pictures name, with the captions."""
+"""Phases and events of a run that figures and films name, and the captions of the phases."""
 
 from __future__ import annotations
 
@@ -64,9 +64,9 @@ def story_end(trajectory: Trajectory) -> float:
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
     """Return the events that figures label, in order of time; there are at most nine.
 
-    Each event name is labelled at most once up to the strike and once after it. Of several events
-    with the same name the first is labelled; of several releases the last, since the earlier ones
-    end brief touches.
+    At most one event of each name is labelled up to the strike, and at most one after the strike.
+    Of several releases the last is labelled, since earlier ones end brief touches. Of several other
+    events with the same name the first is labelled.
 
     Args:
         trajectory: motion of the pass.

@@ -166,7 +166,7 @@ class SurfaceFilm(Film):
         warp = slow_motion(0.0, float(self.times[-1]), duration)
         super().__init__(warp, width, height, (BLUE, VERMILION), Scale(1.0, "s"))
         self.ground = Ground(made.body, made.blasting)
-        # cells along the slide for one in the picture
+        # number of cells of the surface, along the slide, for one cell of the picture
         self.every = math.ceil(made.heights.shape[1] / PIXELS)
         self.norm = _colours(made)
         axes = self.figure.add_axes((0.075, 0.42, 0.9, 0.57 - HEADER))

@@ -53,7 +53,7 @@ MANY = 60  # smallest number of points of a curve that is drawn without marks at
 
 @styled()
 def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
-    """Draw the outcome and other quantities over one or two parameters, in one panel each.
+    """Draw the outcome and each quantity of a sweep in a panel over the one or two parameters.
 
     Where a quantity has no value, a curve has a gap, and a map has a white cell.
 
@@ -98,7 +98,8 @@ def sweep_figure(found: Swept, names: Sequence[str]) -> Figure:
 def _draw_outcomes(axes: Axes, outcome: Any, x: Array, y: Array | None = None) -> None:
     """Draw the outcomes as a map over two parameters, or as a coloured strip over one.
 
-    A legend at the top of the figure names the outcomes that occur.
+    ``outcome`` holds the outcomes in words; ``x`` and ``y`` hold the values of the parameters. A
+    legend at the top of the figure names the outcomes that occur.
     """
     if y is None:
         y = np.arange(2.0)

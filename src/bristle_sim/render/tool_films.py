@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 CAPTION_SHOWN = 0.5  # time in the film for which the caption of the strike is shown, s
 ROW_SLOWER = 10.0
 ROW_AFTER = 0.15
-"""In the film of a row: the slow-down at touches and strikes, divided by that at other times; and the
-time shown after the last bristle's strike, divided by the time shown before this strike."""
+"""In the film of a row: the slow-down at touches and strikes, divided by that at other times; and
+the time shown after the last bristle's strike, divided by the time shown before this strike."""
 
 
 class ToolFilm(Film):

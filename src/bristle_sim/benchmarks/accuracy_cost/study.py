@@ -217,8 +217,8 @@ def comparisons(measured: AccuracyCost) -> list[Comparison]:
 def _rows(measured: AccuracyCost) -> list[Quantity]:
     """Return the quantities of the report: CPU times, and errors divided by the requested accuracy.
 
-    Among the CPU times, ``simulated`` is the time of this project, and ``reference`` the time of
-    the fastest other package.
+    In the entry of a CPU time, ``simulated`` is the time of this project, and ``reference`` is the
+    time of the fastest other package.
     """
     rows = []
     for each in comparisons(measured):

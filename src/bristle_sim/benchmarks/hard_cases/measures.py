@@ -143,8 +143,8 @@ def agrees_with_reference(
 def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
     """Return the relative differences between the first strikes of two runs.
 
-    They are those of time, angle, angular velocities before and after, and impulse. The list holds
-    NaN if only one run has a strike; it is empty if neither has.
+    The differences are those of time, angle, angular velocities before and after, and impulse. The
+    list holds NaN if only one run has a strike. It is empty if neither run has one.
     """
     one, two = run.first_contact("workpart"), other.first_contact("workpart")
     if one is None or two is None:

@@ -50,6 +50,7 @@ It is a rounding error of 1e-15, magnified 1/sin^2(10 deg) = 33 times by the sma
 rods, and 30 times by the phases of the impact."""
 
 ANGLES = (math.radians(-20.0), math.radians(-30.0))
+"""Angles of two rods from the surface's normal, rad."""
 
 MOTIONS = {
     "slip": ((1.0, 0.2), 0.2),

@@ -69,8 +69,8 @@ def knobs(pass_of: Scenario, start: Values) -> list[dict[str, Any]]:
 def _knob(declared: Any, value: Any, group: str) -> dict[str, Any]:
     """Return the description of one parameter's control on the page.
 
-    It holds texts and, for a number, unit and range. ``value`` is the first value, in SI units.
-    ``group`` is the name of the group of controls.
+    The description holds texts and, for a number, unit and range. ``value`` is the parameter's
+    first value, in SI units or deg. ``group`` names the control's group.
     """
     text = "" if value is None else declared.displayed(value)
     preset = "" if declared.default is None else _typed(declared, declared.default)

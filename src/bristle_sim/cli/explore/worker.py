@@ -86,7 +86,7 @@ class Worker:
         """Let the process do a computation, and return its result.
 
         If the input was refused or the process ended, the entry ``error`` of the result states the
-        reason. :meth:`rest` must follow.
+        reason. A call of :meth:`rest` must follow.
 
         Args:
             kind: kind of computation, a key of ``KINDS``.
@@ -105,7 +105,7 @@ class Worker:
         return dict(found)
 
     def stop(self) -> None:
-        """Stop the present computation, and end the process if this takes more than GRACE seconds."""
+        """Stop the present computation; if it still runs after GRACE seconds, end the process."""
         with contextlib.suppress(OSError):  # the process has ended
             self._send(None)
         self._end_after(GRACE, STOPPED)
