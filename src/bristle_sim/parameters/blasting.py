@@ -8,7 +8,8 @@ from typing import Any
 from bristle_sim.declared import Declared
 from bristle_sim.fields import ANY, choice, count, quantity
 
-# largest number of square cells of a ground; it is stored with twice as many, 160 MB per copy
+# Largest number of square cells of a ground. The stored cells are half as long as they are wide, so
+# there are twice as many: 160 MB per copy of the ground.
 MOST_CELLS = 1e7
 LEAST_CELLS = 2.0  # least number of cells along the length and along the width of a crater
 SECTIONS = 5.0  # number of section lengths (cut-off wavelengths) in a profile along the slide
@@ -24,10 +25,10 @@ class Blasting(Declared):
     """A blasted surface: its craters, the strikes, the tool's feed, the simulated area of the
     workpart ("ground"), and the roughness measurement.
 
-    If ``coverage`` or ``areal_ratio`` is given, blasting ends when that value is reached, and the
-    feed follows from the number of strikes. Otherwise ``feed_speed``, ``track_width`` and
-    ``passes`` determine the number of strikes. The slide is the direction in which the tip slides
-    along the workpart.
+    If ``coverage`` (struck fraction of the ground) or ``areal_ratio`` (sum of the craters' areas
+    over the ground's area) is given, blasting ends when that value is reached, and the feed follows
+    from the number of strikes. Otherwise ``feed_speed``, ``track_width`` and ``passes`` determine
+    the number of strikes. The slide is the direction in which the tip slides along the workpart.
 
     Raises ValueError if both ``coverage`` and ``areal_ratio`` are given, if the cut-off wavelength
     is longer than a fifth of the ground or shorter than two cells, if a given crater is smaller

@@ -16,7 +16,7 @@ PRINTED_BELT_STIFFNESS = (
 # Usual hub speeds, rad/s: 10 to 14 000 rpm. A speed in rpm that is typed without its unit is
 # usually larger, and causes a warning.
 USUAL_HUB_SPEEDS = (1.0, 1500.0)
-# Usual belt stiffnesses, N m/rad. The printed value, which is per degree, is smaller.
+# Usual belt stiffnesses, N m/rad. The printed value is per degree, and so smaller than these.
 USUAL_BELT_STIFFNESSES = (1e-3, 2.5)
 
 # Printed mass (kg), length (m), diameter (m) and density (kg/m^3) of the wire (Zhang 2020, fig.
@@ -208,9 +208,9 @@ class Bristle(Declared):
 
 
 def _bar_radius() -> float:
-    """Return the radius (m) of the bar at which the tip touches the bar at the printed retraction.
+    """Return the bar radius (m) with which the bar touches the tip at a retraction of 44.5 deg.
 
-    The bar has the position printed in the dissertation.
+    The position of the bar and the retraction are those printed in the dissertation.
     """
     hub_radius = 0.0275
     length = PRINTED_LENGTH
@@ -290,7 +290,7 @@ class Surface(Declared):
     def friction_in_restitution(self) -> float:
         """Coefficient of friction mu_2 during restitution.
 
-        It is ``restitution_friction``, or ``friction`` if that is None.
+        It is ``restitution_friction``, or ``friction`` if ``restitution_friction`` is None.
         """
         return self.friction if self.restitution_friction is None else self.restitution_friction
 

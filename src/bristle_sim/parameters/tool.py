@@ -19,8 +19,8 @@ from bristle_sim.units import likely_key, shown
 # Default hub angle at the start of a pass, rad: a quarter of a revolution before the direction of
 # the workpart.
 START = -math.pi / 2.0
-# Rotation of the hub, rad, between a start before START and the touch of the bar. It is far larger
-# than the rounding error of a gap.
+# Rotation of the hub, rad, from the start of a pass to the touch of the bar if this touch is before
+# START. The gap at the start is then far larger than its rounding error.
 CLEAR_OF_BAR = math.radians(5.0)
 
 
@@ -150,8 +150,8 @@ class Tool(Declared):
     def start_hub_angle(self) -> float:
         """Hub angle at the start of a pass, rad.
 
-        By default it is -pi/2 if the undeflected wire first touches the bar at a later angle.
-        Otherwise the start is 5 deg before the angle of this touch.
+        By default it is -pi/2 if the undeflected wire first touches the bar at a later hub angle.
+        Otherwise the pass starts 5 deg before this first touch.
 
         The touch is computed in complex numbers, with the hub's centre as origin and the root's
         direction as real axis. There the bar's centre is S e^{i phi}, and phi decreases as the hub

@@ -1,17 +1,19 @@
 """Contact of straight wires with the bar, a fixed circle: gap, velocities, and the motion of a wire
-that lies on it.
+that lies on the bar.
 
 All lengths are divided by the bristle's length. The hub's radius is rho, and the bar's centre is at
-the distance S from the hub's axis. The hub angle from the bar's direction is chi = psi - psi_b.
-Vectors are complex numbers, whose real axis points from the hub's axis to the bar's centre. The
-vector from the root to the bar's centre is w = S - rho exp(i chi) = D exp(i delta).
+the distance S from the hub's axis. The root is nearest to the bar's centre at the hub angle
+psi = psi_b; the hub angle from there is chi = psi - psi_b. Vectors are complex numbers, whose real
+axis points from the hub's axis to the bar's centre. The vector from the root to the bar's centre is
+w = S - rho exp(i chi) = D exp(i delta).
 
-If a wire lies on the bar, its centre line or its end is at the distance R, the sum of the radii of
-bar and wire, from the bar's centre. The angle between the wire and the vector to the bar's centre
-is eta. The wire's absolute angle from the bar's direction is delta - s eta, with s = 1 for a wire
-that the bar holds back, and s = -1 otherwise. The angle eta follows from
+Let R be the sum of the radii of bar and wire. If a wire lies on the bar, its centre line or its end
+is at the distance R from the bar's centre. The angle at the root between the wire and the vector w
+is eta. The angle of the wire from the direction of the bar's centre is delta - s eta, with s = 1
+for a wire that the bar holds back, and s = -1 otherwise. The angle eta follows from
 
-    sin eta = R/D on its flank,    cos eta = (D^2 + 1 - R^2)/(2 D) at its end.
+    sin eta = R/D if the bar touches the wire's flank,
+    cos eta = (D^2 + 1 - R^2)/(2 D) if the bar touches the wire's end.
 """
 
 from __future__ import annotations
@@ -31,18 +33,18 @@ def half_turn(angle: Array) -> Array:
 
 
 def half_window(radius: Array, distance: Array, square: Array) -> Array:
-    """Return the largest hub angle |chi| from the bar's direction (rad) at which D^2 <= ``square``.
+    """Return the largest hub angle, from the bar's direction (rad), at which the bristle's root is
+    within a given distance of the bar's centre.
 
-    D is the distance of the bar's centre from the bristle's root, and R the sum of the radii of bar
-    and wire. All lengths are divided by the bristle's length. With ``square`` = (1 + R)^2 the
-    result is the largest angle at which the wire reaches the bar. With ``square`` = 1 + R^2 it is
-    the largest angle at which the wire's flank touches; at larger angles its end touches. The
-    result is -1 if D^2 is larger than ``square`` at every hub angle.
+    All lengths are divided by the bristle's length; R is the sum of the radii of bar and wire. With
+    ``square`` = (1 + R)^2 the result is the largest angle at which the wire can reach the bar. With
+    ``square`` = 1 + R^2 it is the largest angle at which the bar can touch the wire's flank; at
+    larger angles it touches the wire's end. The result is -1 if the root is never so close.
 
     Args:
         radius: radius of the hub.
         distance: distance of the bar's centre from the hub's axis.
-        square: bound of D^2.
+        square: square of the given distance.
     """
     room = radius**2 + distance**2 - square
     double = 2.0 * radius * distance
@@ -74,9 +76,9 @@ class Closest(NamedTuple):
     Attributes:
         gap: gap between the surfaces of wire and bar.
         rate: derivative of the gap with respect to the hub angle.
-        along: distance from the root to the point of the wire's centre line that is closest to the
-            bar.
-        offset: vector from this point to the bar's centre.
+        along: distance from the root to the point P of the wire's centre line that is closest to
+            the bar.
+        offset: vector from the point P to the bar's centre.
         root: vector from the hub's axis to the root.
         wire: unit vector along the wire.
     """
@@ -90,9 +92,10 @@ class Closest(NamedTuple):
 
 
 def closest(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Closest:
-    """Return the shortest distance between each wire and the bar.
+    """Return the shortest distance between each wire and the bar, and the geometry at that place.
 
-    Hub angle psi, relative angle alpha and rate d(alpha)/d(psi) have the shape (..., passes).
+    ``hub_angle`` is psi (rad), ``angle`` the wire's relative angle alpha (rad) and ``rate`` the
+    derivative d(alpha)/d(psi), all of shape (..., passes).
     """
     chi = hub_angle - passes.bar_angle
     root = passes.radius * direction(chi)
@@ -180,14 +183,18 @@ LEAST_SQUARE = 1e-60
 points at the bar's centre."""
 
 Tilt = tuple[Array, Array, Array]
-"""Angle eta (rad), and the coefficients p and c in its derivatives with respect to the hub angle,
-eta' = p u' and eta'' = p u'' - c (eta'^2 + u'^2), with u = ln D."""
+"""Angle eta (rad) at the root between wire and line to the bar's centre, and two coefficients.
+
+The coefficients p and c give the derivatives of eta with respect to the hub angle, eta' = p u' and
+eta'' = p u'' - c (eta'^2 + u'^2). Here u = ln D, with the distance D from root to bar's centre."""
 
 
 def _flank_tilt(passes: Passes, distance: Array) -> Tilt:
-    """Return the angle between a wire touched on its flank and the vector to the bar's centre.
+    """Return the angle at the root between a wire whose flank touches the bar and the line to the
+    bar's centre.
 
-    The angle obeys sin eta = R/D; ``distance`` is D.
+    The angle eta follows from sin eta = R/D. R is the sum of the radii of bar and wire (``reach``),
+    and D the distance from the root to the bar's centre (``distance``).
     """
     foot = np.sqrt(np.maximum(distance**2 - passes.reach**2, LEAST_SQUARE))
     slope = -passes.reach / foot

@@ -11,18 +11,19 @@ from bristle_sim.passes.motion import Function
 
 MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
 
-MOST_STEPS = 10  # evaluations after which every second one halves the bracket
+MOST_STEPS = 10  # number of evaluations after which every second evaluation halves the bracket
 
 ROOT_ERROR = 1e-13
 """Largest error of a root, relative to the width of its bracket.
 
-The error is estimated as the product of the last step and the secant before it, divided by the
-square of the bracket's width, since the function is smooth within the bracket."""
+The estimate of this relative error is the product of the last two steps towards the root, divided
+by the square of the bracket's width. Newton's method takes the square of the last step instead."""
 
 LAST_MOVE = 1e-3
-"""Longest last step, and longest secant before it, relative to the bracket's width.
+"""Largest length of either of the last two steps, relative to the bracket's width.
 
-The value at the end of a longer secant may be so large that the step is tiny far from the root."""
+After a longer step of the secant method the value at the step's start may be so large that the next
+step is tiny although the root is far."""
 
 ROOT_ROUNDING = 5e-16
 """Half-width of the narrowest bracket of a root, rad: the rounding error of hub angles of some
@@ -43,9 +44,9 @@ def root(
     evaluations is therefore bounded.
 
     Args:
-        function: function whose roots are sought. The first argument holds one place in each of
-            some brackets, the second the indices of these brackets. The function returns its values
-            at the places, and its derivatives or None.
+        function: function whose roots are sought. Its first argument holds one place in each of
+            several brackets, its second argument the indices of these brackets. It returns its
+            values at the places, and its derivatives there, or None if they are unknown.
         ends: lower and upper ends of the brackets.
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.

@@ -37,8 +37,8 @@ With fewer passes the overhead of a call exceeds its arithmetic. With more passe
 more memory, and little time is saved."""
 
 LEAST_FLYING = BLOCK // 4
-"""Number of passes under way below which the next block begins, and of ended passes from which they
-are evaluated."""
+"""The next block begins when fewer passes than this are under way. Passes that have ended are
+evaluated when there are at least as many of them."""
 
 ENDED = WORKPART  # smallest code of a pass that has ended
 
@@ -58,7 +58,8 @@ OTHERWISE = "a change within the accuracy gives it another course or outcome"
 STEPS = {FLIES: fly, BAR: touch_bar, LIES: lie}
 
 Columns = dict[str, NDArray[Any]]
-"""Results of all passes of a request by name, and their outcomes, as codes, and reasons."""
+"""Arrays by name, with an entry for each pass of a request: its results, the code of its outcome,
+and the reason why it has no strike or no valid result."""
 
 
 def ensemble(
@@ -89,7 +90,8 @@ def ensemble(
     [34.5, 37.9, 41.1]
 
     Args:
-        tool: tool that supplies the values of all other keys; by default the dissertation's tool.
+        tool: tool that supplies the values of all keys that are not among ``values``; by default
+            the dissertation's tool.
         accuracy: requested relative accuracy, from 1e-11 to 0.1.
         hub_turn: rotation of the hub after which a pass ends, rad.
         progress: function that is called with the fraction of finished passes.

@@ -45,28 +45,30 @@ At the high order of the series a larger tolerance saves little time."""
 LEAST_TOLERANCE = 1e-14  # smallest local tolerance, the size of rounding error
 
 LEAST_BEND = 0.1
-"""Smallest ``reach`` that shortens the segments of a step, divided by the bristle's length.
+"""Lower bound of ``reach`` in the choice of a step near the bar, divided by the bristle's length.
 
-``reach`` is the distance of the wire's centre line from the bar's centre when they touch. A bar with
-a smaller one shortens the segments as if it had this value. The bound does not apply to a wire that
-has just left the bar: its end may touch the bar again after a rotation of the size of ``reach``."""
+``reach`` is the distance of the wire's centre line from the bar's centre when they touch. The
+longest step is proportional to ``reach``, or to this bound if ``reach`` is smaller. The bound
+does not apply to a wire that has just left the bar: its end may touch the bar again after the hub
+has rotated by an angle of the order of ``reach``."""
 
 BEND = 0.5
 """Longest path of the wire's end in a segment of a step near the bar, divided by the distance of the
 wire's centre line from the bar's centre when they touch."""
 
 HOPS = 2.0
-"""Longest step after a rebound from the bar, divided by ``hop``.
+"""Longest step after a rebound from the bar, divided by ``hop`` (an attribute of ``Passes``).
 
-A gap v t - a t^2/2 + j t^3/6 that closes has its maximum before 2/3 ``hop``, with ``hop`` = 2 v/a. If
-it opens again, it has its minimum after 2 ``hop``. No segment of such a step contains both."""
+When the hub has rotated by t since the rebound, the gap is v t - a t^2/2 + j t^3/6, and ``hop`` is
+2 v/a. If this gap closes, it has its maximum before 2/3 ``hop``. If it opens again, it has its
+minimum after 2 ``hop``. No segment of the step contains both."""
 
 FASTER = 2.0
-"""Assumed bound of a gap's derivative within a segment that has a minimum, divided by the larger of
-the magnitudes of the derivative at the two ends."""
+"""Assumed bound of the magnitude of a gap's derivative in a segment with a minimum of the gap, as a
+multiple of the larger magnitude at the segment's two ends."""
 
-EDGE = 1e-9  # tolerance, rad, within which a hub angle counts as inside the bar's window
-MINIMUM_ERROR = 1e-8  # largest error of the location of a minimum, relative to its segment
+EDGE = 1e-9  # tolerance, rad, of the hub angles between which the wire can reach the bar
+MINIMUM_ERROR = 1e-8  # largest error of a minimum's place, relative to the length of its segment
 BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index: the indices of its two ends
 
 
@@ -109,13 +111,14 @@ def advance(
 
     Args:
         passes: passes to advance.
-        motion: motion of the wires.
+        motion: function that returns the wires' relative angles and their derivatives after a
+            rotation of the hub.
         samples: motion at the ends of the segments.
         near: indices of the wires that may touch the bar.
-        place: rotation of the hub if there is no touch, rad.
-        code: code of each pass's state after this rotation; a touch or a fold replaces it.
-        accuracy: requested accuracy. If a wire passes an obstacle at a smaller distance, the number
-            of touches is uncertain.
+        place: rotation of the hub if there is neither touch nor fold, rad.
+        code: code of each pass's state after the rotation ``place``; a touch or a fold replaces it.
+        accuracy: requested accuracy. If a wire passes an obstacle at a distance smaller than this
+            fraction of the bristle's length, the number of touches is uncertain.
     """
     turns, angles, _ = samples
     for obstacle, chosen in ((WORKPART, low(passes, turns[-1])), (BAR, near)):
@@ -160,7 +163,7 @@ def low(passes: Passes, turn: Array) -> Chosen:
     ``turn`` (rad).
 
     In these passes the tip would touch the workpart if the wire were vertical at the lowest
-    position of the root.
+    position that the root has during the rotation.
     """
     half = 0.5 * turn
     aside = np.abs(half_turn(passes.hub_angle + half)) - half
@@ -202,7 +205,8 @@ def first_closing(
     Args:
         obstacle: code of the obstacle.
         passes: passes of the wires, at the start of the step.
-        motion: motion of the wires.
+        motion: function that returns the wires' relative angles and their derivatives after a
+            rotation of the hub.
         samples: motion at the ends of the segments.
         chosen: indices of the wires that may touch the obstacle.
         accuracy: requested accuracy.
@@ -250,11 +254,11 @@ def _closing(gap_at: Function, number: Chosen, segment: Array, leaves: Chosen) -
     """Return the rotation of the hub (rad) at which each gap closes within its segment.
 
     Newton's method starts from inverse cubic interpolation of the gap and its derivative at both
-    ends. If the wire leaves the obstacle, its gap is also zero at the segment's start. Newton's
-    method then finds the root of gap/rotation, which is not zero there.
+    ends. If the wire leaves the obstacle at the segment's start, the gap is zero there too.
+    Newton's method then finds the root of the quotient gap/rotation, which is not zero there.
 
     Args:
-        gap_at: function that returns gaps and derivatives.
+        gap_at: function that returns the gaps and their derivatives after a rotation of the hub.
         number: indices of the passes.
         segment: rotation, gap and derivative at both ends, shape (3, 2, passes).
         leaves: whether the gap is zero at the segment's start.
@@ -281,7 +285,8 @@ def _lowest(values_at: Function, number: Chosen, segment: Array) -> Array:
     the values and derivatives at the ends.
 
     Args:
-        values_at: function that returns values and derivatives.
+        values_at: function that returns the gaps or angles, and their derivatives, after a rotation
+            of the hub.
         number: indices of the passes.
         segment: rotation, value and derivative at both ends, shape (3, 2, passes).
     """
@@ -300,11 +305,12 @@ def _lowest(values_at: Function, number: Chosen, segment: Array) -> Array:
 
 
 def _note_lowest(passes: Passes, motion: Function, samples: Samples, place: Array) -> None:
-    """Update the smallest relative angle of each pass by its first minimum within a rotation.
+    """Update the smallest relative angle of each pass by a minimum within the hub's rotation
+    ``place`` (rad).
 
-    Of the minima of the angle, only the first that may be smaller than all earlier angles is
-    located. A minimum is assumed to be larger than a + 2 a' h, where h is the length of its
-    segment, and a and a' are the angle and its derivative at the segment's start.
+    Only the first minimum that may be smaller than all earlier angles is located. A minimum is
+    assumed to be larger than a + 2 a' h, where h is the length of its segment, and a and a' are the
+    angle and its derivative at the segment's start.
     """
     turn, angle, rate = samples
     turning = (rate[:-1] < 0.0) & (rate[1:] > 0.0) & (turn[:-1] < place)

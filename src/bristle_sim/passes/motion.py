@@ -5,11 +5,14 @@ equation of motion is
 
   alpha'' = -d alpha' - k alpha - b sin alpha - g sin(psi + alpha),
 
-with k = k_T/(I omega^2), d = c/(I omega), b = 3 r_h/(2 L), g = 3 g_0/(2 L omega^2). For an angle u
-the series of sin u and cos u follow from their derivatives, u' cos u and -u' sin u, by Cauchy
-products. The step length follows A. Jorba and M. Zou, *A software package for the numerical
-integration of ODEs by means of high-order Taylor methods*, Experimental Mathematics 14 (2005)
-99-117.
+with k = k_T/(I omega^2), d = c/(I omega), b = 3 r_h/(2 L), g = 3 g_0/(2 L omega^2). L is the wire's
+length and I its moment of inertia about the root. The belt has the stiffness k_T and the damping c,
+the hub the radius r_h and the angular velocity omega. The acceleration of gravity is g_0.
+
+For an angle u the series of sin u and cos u follow from their derivatives, u' cos u and -u' sin u,
+by Cauchy products. The step length follows A. Jorba and M. Zou, *A software package for the
+numerical integration of ODEs by means of high-order Taylor methods*, Experimental Mathematics 14
+(2005) 99-117.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ ORDER = 20
 The search for touches in a step costs as much as 15 terms. A high order with few steps is therefore
 cheaper, up to the order at which the sine's series bounds the step."""
 
-DEGREES = np.arange(ORDER + 1.0)[:, np.newaxis]  # of the terms of a series
+DEGREES = np.arange(ORDER + 1.0)[:, np.newaxis]  # of a series' terms, as a column
 
 SAFETY = 0.9
 """Ratio of the step length to the length at which the last terms of the series equal the tolerance."""
@@ -66,7 +69,7 @@ def direction(angle: Array) -> Vector:
 
 
 def powers(turn: Array) -> Array:
-    """Return the powers of each rotation ``turn`` of the hub, shape (ORDER + 1, passes).
+    """Return the powers 0 to ORDER of each rotation ``turn``, shape (ORDER + 1, passes).
 
     NumPy's own power function takes ten times as long.
     """

@@ -20,10 +20,12 @@ from bristle_sim.passes.state import ROWS, Chosen, Passes
 from bristle_sim.units import likely_key
 
 MOST_RADIANS = 1e5
-"""Largest phase angle of a pass's fastest oscillation, rad. A step covers some 2 rad."""
+"""Largest phase angle by which the fastest oscillation may advance in a pass, rad. A step of the
+integration covers some 2 rad of it."""
 
 OVERLAP_ROUNDING = 1e-11
-"""Largest overlap at the start that counts as rounding error, divided by the bristle's length."""
+"""Largest overlap of bristle and obstacle at the start of a pass that counts as rounding error,
+divided by the bristle's length."""
 
 Values = dict[str, Array]
 
@@ -33,8 +35,8 @@ class Request:
     """The parameter arrays of a request, and the shape to which they broadcast.
 
     Attributes:
-        tool: tool that supplies the values of all other keys.
-        given: arrays by key.
+        tool: tool that supplies the values of all keys that are not in ``given``.
+        given: requested values by key, in arrays.
         shape: shape to which the arrays broadcast.
         hub_turn: rotation of the hub after which a pass ends, rad.
     """
@@ -72,7 +74,7 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
     """Check the values of the given keys, and return the request.
 
     Args:
-        tool: tool that supplies the values of all other keys.
+        tool: tool that supplies the values of all keys that are not in ``values``.
         values: values or arrays of values by key.
         hub_turn: rotation of the hub after which a pass ends, rad.
 
@@ -103,9 +105,9 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
 
 
 def _array(declared: Range, value: Any) -> Array:
-    """Return the values of a key as numbers in its unit; the value None becomes NaN.
+    """Return the values of a key as numbers in the key's unit; the value None becomes NaN.
 
-    An array of numbers is not checked here: it may hold values out of range.
+    An array of numbers is not checked against the key's range.
     """
     if hasattr(value, "dimensionality"):  # a quantity of pint, which would lose its unit
         raise declared.refusal(value)

@@ -50,7 +50,8 @@ class Ensemble(EqualByValue):
             results' shape.
         release_time: time of the last contact with the bar before the strike, from the start of the
             pass, s.
-        release_retraction: retraction at the release time, rad.
+        release_retraction: retraction, the angle of the wire behind the radial direction, at the
+            release time, rad.
         largest_retraction: largest retraction before the strike, rad.
         contact_time: time of the strike, from the start of the pass, s.
         lag_at_contact: angle of the wire behind the radial direction at the strike, rad.
@@ -64,12 +65,12 @@ class Ensemble(EqualByValue):
         normal_compressive_work: work of the normal force up to the end of compression, J.
         tangential_compressive_work: work of the tangential force up to the end of compression, J.
         entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
-        final_bristle_rate: angular velocity of the wire after the strike, rad/s.
-        error_estimate: estimate that holds for two errors at the strike. The first is that of the
-            wire's angle (rad), the second that of its relative angular velocity divided by omega +
-            sqrt(k_T/I). The estimate includes the factor by which the impact magnifies an error.
-            The estimate is 1 if an error as small as the accuracy could change the number of
-            touches or the outcome.
+        final_bristle_rate: absolute angular velocity of the wire after the strike, rad/s.
+        error_estimate: estimated error at the strike, dimensionless. It holds for the wire's angle
+            (rad), and for the relative angular velocity divided by omega + sqrt(k_T/I), with the
+            hub's speed omega, the belt's stiffness k_T and the wire's moment of inertia I about the
+            root. It includes the factor by which the impact magnifies an error. It is 1 if an error
+            as small as the accuracy could change the number of touches or the outcome.
         outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``,
             ``does not strike`` or ``refused``.
         reason: why a pass was refused, or why it has no strike, no release or no valid error

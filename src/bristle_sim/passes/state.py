@@ -68,8 +68,8 @@ class Passes:
             gap's second derivative is constant. It is infinite if the wire would not touch the bar
             again.
         lowest: smallest relative angle so far, rad.
-        error: estimated error of the relative angle (rad) and of the relative angular velocity
-            divided by ``rate_scale``.
+        error: estimated error of the relative angle (rad), and also of the relative angular
+            velocity divided by ``rate_scale``.
     """
 
     number: Array
@@ -117,7 +117,7 @@ class Passes:
         return np.equal(self.hub_angle, self.release)
 
     def take(self, chosen: Chosen) -> Passes:
-        """Return the passes with the given indices, which must increase.
+        """Return the passes with the given indices, which must be ascending.
 
         If all passes are chosen, the object itself is returned, not a copy.
         """

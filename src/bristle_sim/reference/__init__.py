@@ -1,9 +1,9 @@
 """The motion of wires of rigid links, integrated with SciPy: an independent solution with which the
-scene is compared.
+simulation by the physics engine (the package ``scene``) is compared.
 
 The unknowns are the absolute angles of the links. The hub angle is prescribed, psi = psi_0 + omega
-t. A rigid bristle is a single link. The reference shares with the scene only the parameters, the
-types of the result, the impact law, and the stiffness and damping of a wire's hinges.
+t. A rigid bristle is a single link. The two solutions share only the parameters, the types of the
+result, the impact law, and the stiffness and damping of a wire's hinges.
 
 The modules in reading order:
 

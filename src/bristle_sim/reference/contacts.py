@@ -7,8 +7,8 @@ part of a link's centre line. On the flank of a piece the normal turns with the 
 With the angles theta of the links, the normal velocity v_n and the tangential velocity v_t of the
 wire's surface at the contact obey
 
-  v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,
-  v_t = J_t theta' + drift,    v_t' = J_t theta'' + bias_t.
+  v_n = J_n theta' + drift_n,    gap'' = J_n theta'' + bias_n,
+  v_t = J_t theta' + drift_t,    v_t' = J_t theta'' + bias_t.
 
 The drifts are the velocities if theta' = 0, the biases the accelerations if theta'' = 0.
 """
@@ -210,8 +210,8 @@ class WirePairs:
         arms = np.array(places) * chain.ends[list(wires)] / chain.length
         ends, carried = chain.points(motion, list(wires), arms)
         normal = complex(ends[0] - ends[1]) / distance
-        # An end moves with its wire; the normal turns with the flank, or with the line from end to
-        # end.
+        # The end moves with its wire. The normal turns with the other wire's flank, or with the
+        # line between two ends.
         if 0.0 < places[1 - end] < chain.length:
             spin = float(motion.rates[wires[1 - end]])
         else:
@@ -231,15 +231,14 @@ class WirePairs:
     def _nearest(
         chain: Chain, motion: Kinematics, first: int, second: int
     ) -> tuple[float, int, tuple[float, float]]:
-        """Return the shortest distance between the centre lines of two wires, and its end points.
+        """Return the shortest distance between the centre lines of two wires, and where it is.
 
-        At least one of the two points is an end of its wire.
+        At least one of the two nearest points is an end of its wire.
 
         Returns:
             distance: the shortest distance, m.
-            end: wire whose end is the end point of this distance, 0 for the first or 1 for the
-                second.
-            places: distance of each point from the root of its wire, m.
+            end: which wire has its nearest point at an end: 0 for the first wire, 1 for the second.
+            places: distance of each nearest point from the root of its wire, m.
         """
         length = chain.length
         along = chain.ends * motion.turn / length

@@ -24,12 +24,12 @@ Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n
 DEGREE = 16
 NODES = chebyshev.chebpts1(DEGREE + 1)
 WEIGHTS = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE))
-# Largest number of intervals into which a step is divided: fifty halvings confine a kink or a jump
+# Largest number of intervals that are examined in a step: fifty halvings confine a kink or a jump
 # to rounding error.
 MOST_PIECES = 100
 # Ratio of a series' constant coefficient to the sum of its other coefficients above which the
-# function has one sign. 1 suffices for an exact series; the series of a function with a kink is in
-# error by less than the sum.
+# function has one sign. For an exact series a ratio of 1 suffices. The series of a function with a
+# kink has an error, which is smaller than that sum.
 FAR = 2.0
 # Size of the last coefficients of a series, as a fraction of the function's size, below which they
 # are rounding error.
@@ -59,7 +59,7 @@ def crossings(
         resolution: magnitude below which a value of the function is rounding error.
         before: sign of the function before the interval. With 0 the first sign in the interval does
             not count as a change.
-        values: values of the function at the times of ``nodes``, if the caller has them.
+        values: values of the function at the times of ``nodes``; by default they are computed.
 
     Returns:
         Pairs of the time (s) and the sign of the function after it, +1 or -1.

@@ -65,11 +65,11 @@ def decide(
     """Resolve impacts at the closed contacts, then determine which contacts stay closed.
 
     Args:
-        system: the system.
+        system: the wires and their contacts.
         state: the state at the event.
         new: point of a contact that begins in this state; None if no contact begins.
-        stopped: contact in which the foot of the tangential spring has just stopped; None if there
-            is none.
+        stopped: contact in which the foot of the tangential spring, its end at the obstacle, has
+            just stopped; None if there is no such contact.
 
     Returns:
         The state after the impacts.
@@ -253,7 +253,7 @@ def stop_foot(system: System, each: Compliant, state: State) -> State:
 
 
 def _hold_foot(system: System, each: Compliant, state: State) -> None:
-    """Move the sliding foot of a tangential spring so that the spring has its present force."""
+    """Let a tangential spring's sliding foot stick where the spring keeps its present force."""
     touch = system.at(state).touch(each.point)
     pull = each.rub(touch)
     if each.slip and pull is not None:

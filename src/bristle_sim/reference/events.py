@@ -1,5 +1,5 @@
-"""Events that end an interval of smooth motion: extremes, the touch of an obstacle, or a change of
-a sustained contact."""
+"""Events that end an interval of smooth motion: an extreme of a wire's angle or angular velocity
+relative to the hub, the touch of an obstacle, or a change of a sustained contact."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ INSIDE = 1e-13
 PAST = 1e-13
 ROUNDING = 1e-13  # rounding error of an event function, as a fraction of its size
 GAP_ROUNDING = 1e-15  # rounding error of a gap, as a fraction of hub radius plus wire length
-# Angular velocity relative to the hub below which its maximum is no event, as a multiple of the
-# rounding error of an angular velocity.
+# Least maximum of the angular velocity relative to the hub that counts as an event, as a multiple
+# of the rounding error of an angular velocity.
 IDLE = 10.0
 PEAK = "highest relative speed"
 
@@ -45,8 +45,8 @@ LOCKED = 1e-6
 """Ratio of the normal accelerations per unit normal force with and without friction, below which
 friction is about to lock a contact.
 
-The contact force grows without bound as this ratio falls to zero. The time from here to the lock is
-so short that the ratio is linear in time with an error of 1e-12."""
+The contact force grows without bound as this ratio falls to zero. From this value on, the ratio
+falls to zero in so short a time that it is linear in time with an error of 1e-12."""
 
 
 class Event(NamedTuple):
@@ -69,11 +69,11 @@ class Event(NamedTuple):
     extreme: bool = False
 
     def ahead(self, instant: Instant, zero: float = 0.0) -> Event:
-        """Return an event with a shifted level, which cannot occur at the start of the interval.
+        """Return the event with another level, so that it cannot occur at the interval's start.
 
-        The event function crosses the level in the event's direction. The level lies beyond
-        ``zero`` by the event's resolution. If the function is beyond ``zero`` already at the start
-        of the interval (``instant``), the level lies beyond its value there by the resolution.
+        The event occurs when the event function passes the level in the event's direction. The
+        level is ``zero``, or the function's value at the start (``instant``) if that is already
+        beyond ``zero``. In either case the level is moved on by the event's resolution.
         """
         value = self.value
         passed = max(self.direction * (value(instant) - zero), 0.0)
@@ -274,7 +274,10 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
     slip = each.slip
 
     def sliding(at: Instant) -> float:
-        """Return the slip velocity in the sense of ``slip`` (m/s), of the foot if there is one."""
+        """Return the slip velocity (m/s), positive in the sense of ``slip``.
+
+        With a tangential spring it is the velocity of the spring's foot.
+        """
         touch = at.contacts[number].touch
         if isinstance(each, Compliant):
             return each.foot(touch, slip)
@@ -305,7 +308,7 @@ def _place_events(system: System, instant: Instant, each: Sustained) -> list[Eve
 
     def move(point: Point, state: State) -> State:
         """Let the contact act at another point of the wire, and return the state."""
-        """Move the contact, and decide anew: the curvature of the path jumps, and the force with it."""
+        # Decide anew: the curvature of the path jumps, and the force with it.
         each.point = point
         return decide(system, system.closed(state))
 

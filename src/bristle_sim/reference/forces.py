@@ -315,7 +315,7 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
     """Return the smallest changes of the links' motion that set gaps and normal velocities to zero.
 
-    The norm of the mass matrix measures the changes.
+    The size of a change is its norm in the mass matrix.
 
     Returns:
         The changes of the angles (rad) and those of the angular velocities (rad/s).

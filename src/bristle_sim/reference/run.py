@@ -91,8 +91,8 @@ class Run:
             with np.errstate(over="ignore", invalid="ignore"):  # a step that fails may overflow
                 solver.step()
             if solver.status == "failed":
-                # With rigid contacts, a contact has lost its lever: two wires lie flat on each
-                # other.
+                # If there are rigid contacts, two wires lie flat on each other, and a contact has
+                # lost its lever.
                 raise (
                     system.log.jam(self.state)
                     if system.rigid
