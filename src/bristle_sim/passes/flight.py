@@ -139,7 +139,7 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
 
     A step ends no later than the pass, and no later than the hub angle from which the wire can
     reach the bar. Near the bar, a step is so short that the gap has at most one minimum in each of
-    its segments.
+    its segments. ``tolerance`` bounds the error of the Taylor series in a step.
     """
     chi = half_turn(passes.hub_angle - passes.bar_angle)
     outside = np.abs(chi) > passes.window + EDGE
@@ -255,7 +255,7 @@ def _closing(gap_at: Function, number: Chosen, segment: Array, leaves: Chosen) -
 
     Newton's method starts from inverse cubic interpolation of the gap and its derivative at both
     ends. If the wire leaves the obstacle at the segment's start, the gap is zero there too.
-    Newton's method then finds the root of the quotient gap/rotation, which is not zero there.
+    Newton's method then seeks the root of the quotient gap/rotation, which is not zero there.
 
     Args:
         gap_at: function that returns the gaps and their derivatives after a rotation of the hub.

@@ -122,7 +122,9 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
         return (0.5 * math.pi) ** 2 - own.relative(at.state) ** 2
 
     def extreme(name: str, state: State) -> State:
-        """Record an extreme relative to the hub, except a highest speed that is rounding error."""
+        """Record an extreme of the motion relative to the hub, unless it is a speed as small as
+        rounding error.
+        """
         if name == LARGEST_RETRACTION or rate(system.at(state)) > IDLE * rounding:
             own.event(name, state.time)
             system.check_stop(state)
@@ -204,7 +206,7 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         return float(at.balance.pushes[number, 0]) * normal_response(at.mass, touch, ratio)
 
     def freedom(at: Instant) -> float:
-        """Return the ratio of the normal accelerations per unit force with and without friction."""
+        """Return the normal acceleration per unit normal force, over its value without friction."""
         touch = at.contacts[number].touch
         with_friction = normal_response(at.mass, touch, acting.ratio)
         return with_friction / normal_response(at.mass, touch, 0.0)

@@ -196,7 +196,7 @@ class Log:
         return times
 
     def touched(self, point: Point, time: float) -> None:
-        """Record a touch at a time in s.
+        """Record a touch at a point of a wire, at a time in s.
 
         A wire's first touch of the workpart is recorded as its strike.
         """

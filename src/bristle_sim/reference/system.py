@@ -59,7 +59,8 @@ class System:
         self.duration = duration
         self.stiffness = stiffness
         self.sustained: list[Sustained] = []
-        # Dents by the index of the corner that is still in them: the gap (m) at the contact's end.
+        # By the index of each corner that is still in a dent: the gap (m) at the end of the contact
+        # that left the dent.
         self.dents: dict[int, float] = {}
         self.size = chain.hub_radius + chain.length
         self.fastest = chain.fastest_rate

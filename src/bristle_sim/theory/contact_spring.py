@@ -12,9 +12,10 @@ Here e* is the energetic coefficient of restitution and delta_max the largest pe
 tangential compliance eta^2 is not 0, a spring of the stiffness k/eta^2 joins the contact point to a
 foot on the surface. While the foot sticks, the tangential force is T = -(k/eta^2) (x - x_foot),
 with the coordinates x of the contact point and x_foot of the foot. The friction limit is abs(T) <=
-mu N. Where T would exceed it, the foot slides in the sense s with T = -mu s N. Its velocity is then
-v_t + mu s eta^2 kappa v_n. The stiffness ratio kappa is 1 in loading and 1/e*^2 in unloading (Maw,
-Barber and Fawcett 1976; Stronge, *Impact Mechanics*, 2nd ed., sec. 5).
+mu N. Where T would exceed this limit, the foot slides in the sense s with T = -mu s N. The foot's
+velocity is then v_t + mu s eta^2 kappa v_n, with the velocity (v_n, v_t) of the contact point. The
+stiffness ratio kappa is 1 in loading and 1/e*^2 in unloading (Maw, Barber and Fawcett 1976;
+Stronge, *Impact Mechanics*, 2nd ed., sec. 5).
 """
 
 from __future__ import annotations

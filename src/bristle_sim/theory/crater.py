@@ -121,7 +121,8 @@ def friction_for_crater_depth(
     (Zhang 2020, fig. 4.16). With the shear angle eta of least work, the friction angle beta and the
     rake angle alpha, the depth's factor sin(eta) cos(eta + beta - alpha) is
     [1 - sin(beta - alpha)]/2. Here beta - alpha = arccot(mu) - gamma, with the impact angle gamma,
-    so the factor depends on mu and gamma only.
+    so the factor depends on mu and gamma only. The other arguments are those of
+    ``merchant_crater_depth``.
 
     Raises:
         ValueError: for a depth that no friction mu >= tan(gamma) gives.
@@ -166,7 +167,7 @@ def constant_for_crater_depth(
 
     where dR is the increase of the force in a time step, b the width of the cut and tau_s the shear
     yield stress. The shear plane emerges from the surface (eta >= gamma, 4.35) only if C >=
-    arccot(mu) + gamma.
+    arccot(mu) + gamma. The other arguments are those of ``merchant_crater_depth``.
 
     Raises:
         ValueError: for a depth that no C within 0 < C <= pi/2 gives.
@@ -197,8 +198,9 @@ def _depth_ratio(
 ) -> Number:
     """Return the crater depth divided by the sum of dR/b, 1/Pa.
 
-    dR is the increase of the resultant force in a time step, b the width of the cut. In (4.50) the
-    factor cos(beta - alpha) of the cutting force cancels the one in the denominator.
+    dR is the increase of the resultant force in a time step, b the width of the cut. With the
+    friction angle beta and the rake angle alpha, the cutting force is R cos(beta - alpha), and this
+    cosine cancels the one in the denominator of (4.50).
     """
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
@@ -248,8 +250,8 @@ def energy_crater_depth_ratio(
     """Return the crater depth from energy, by a ratio of two sums that falls like 1/``plies``, m.
 
     The depth is cos(gamma) (sum_i dE_i)/(sum_i R_i), as eq. 4.66 of Zhang (2020) is printed, with
-    the symbols of ``energy_crater_depth``. The sum of the energies converges, while the sum of the
-    forces is proportional to their number.
+    the symbols of ``energy_crater_depth``. As the number of steps grows, the sum of the energies
+    converges, while the sum of the forces grows in proportion to the number.
 
     With 5 plies it is the printed depth:
 
@@ -261,9 +263,8 @@ def energy_crater_depth_ratio(
 
 
 def _energy_plies(plies: int, compression_time: float) -> tuple[Array, Array]:
-    """Return the kinetic energy lost in each of equal time steps, and the force at its end.
-
-    The energies are in J, the forces in N.
+    """Return the kinetic energy lost in each of equal time steps (J), and the force at the end of
+    each step (N).
     """
     time = np.linspace(0.0, compression_time, int(plies) + 1)
     return -np.diff(kinetic_energy(time)), np.asarray(BRISTLE(time[1:]))

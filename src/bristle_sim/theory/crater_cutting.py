@@ -171,8 +171,8 @@ def depth_from_force(
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
     """Return the root of an increasing function by Newton's method.
 
-    ``excess`` returns the function and its derivative. ``start`` must be a close lower bound of the
-    root. If the root is 0, it must be exactly 0.
+    ``excess`` returns the values of the function and of its derivative at a place. ``start`` is the
+    place from which the search starts, near the root and below it. For a root of 0, ``start`` is 0.
     """
     root = np.asarray(start, dtype=float)
     step = np.array(math.inf)

@@ -179,7 +179,7 @@ class CuttingWidth:
         cancellation near t = 0.
         """
         gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
-        gone = np.minimum(gone, self.half_width)  # from there on a thin wire cuts as wide as it is
+        gone = np.minimum(gone, self.half_width)  # from there on the cut is as wide as the wire
         return 2.0 * np.sqrt(gone * (2.0 * self.half_width - gone))
 
 

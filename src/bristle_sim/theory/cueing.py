@@ -84,8 +84,8 @@ def retraction_at_bar(
 ) -> Number:
     """Return the retraction at which the tip slips off the bar, rad.
 
-    The tip is then nearer to the hub's centre than the bar is by ``bar_reach``. The function is the
-    inverse of ``tip_radius``.
+    The distance of the tip from the hub's centre is then that of the bar's centre minus
+    ``bar_reach``. The function is the inverse of ``tip_radius``.
 
     Args:
         bar_horizontal, bar_vertical: coordinates of the bar from the hub's centre, along and normal

@@ -43,8 +43,8 @@ HALF_WIDTH = 0.5745
 
 # Largest accepted probability that independent normal noise alone would give as good a fit.
 MOST_CHANCE = 0.01
-# Number of independent F tests, for each contact duration by which the record is longer than the
-# contact: 16 different starts, and several durations.
+# A record that is longer than the contact by n contact durations counts as n times this number of
+# independent F tests, because the contact could have 16 n different starts and several durations.
 PLACES = 50.0
 # Largest force at both ends of a record without samples outside the contact, as a fraction of the
 # peak force.
@@ -113,7 +113,9 @@ class _Pulse(NamedTuple):
 
 
 def fit_decay(time: ArrayLike, force: ArrayLike, duration: float, peak_force: float) -> ForceCurve:
-    """Fit amplitude and decay rate to a measured contact of known duration (Zhang 2020, eq. 3.2).
+    """Return the force curve of known duration that fits measured forces best.
+
+    The amplitude and the decay rate of the curve are fitted by least squares (Zhang 2020, eq. 3.2).
 
     Args:
         time: times since first touch (s), shape (n,).
@@ -171,8 +173,9 @@ def fit_force_history(time: ArrayLike, force: ArrayLike) -> ForceFit:
 def _pulses(time: Array, force: Array) -> Iterator[_Pulse]:
     """Yield different estimates of the contact, from which the fits start.
 
-    Each estimate is the highest pulse of a moving average of the record. Its height is measured
-    once from the median of the record and once from the mean of its first and last value.
+    Each estimate is the highest pulse of a moving average of the record. There are two estimates
+    for each average: the pulse's height is measured from the median of the record, and from the
+    mean of the first and the last value of the average.
     """
     interval = float(np.median(np.diff(time)))
     for width in (2**power for power in range(max(1, int(math.log2(force.size)) - 1))):
@@ -229,7 +232,7 @@ def _fitted(time: Array, force: Array, pulse: _Pulse) -> ForceFit | None:
         return curve, begins, level[0] if based else 0.0
 
     def forces(since: Array, *unknowns: float) -> Array:
-        """Return the model's force (N) at times since the pulse's start, divided by its duration."""
+        """Return the model's force (N) at times from the pulse's start, in pulse durations."""
         curve, begins, level = model(np.array(unknowns))
         return np.asarray(curve(np.clip(length * since - begins, 0.0, curve.duration))) + level
 

@@ -1,11 +1,11 @@
 """Planar impact at one point with Coulomb friction: one law for a body, a chain of bodies or a
 whole machine.
 
-Two properties of the bodies determine an impact: the velocity v = (v_n, v_t) of the contact point
-before it, and the point's inverse mass matrix K. An impulse dp = (dp_n, dp_t) changes the velocity
-by dv = K dp. The tangential impulse opposes slip, dp_t = -mu sign(v_t) dp_n. Within a phase of
-constant slip direction (or stick) the velocities are therefore linear in p_n, and the works are
-quadratic. So every phase ends in closed form:
+Two properties of the bodies determine an impact: the velocity v = (v_n, v_t) that the contact point
+has before the impact, and the point's inverse mass matrix K. An impulse dp = (dp_n, dp_t) changes
+the velocity by dv = K dp. The tangential impulse opposes slip, dp_t = -mu sign(v_t) dp_n. Within a
+phase of constant slip direction (or stick) the velocities are therefore linear in p_n, and the
+works are quadratic. The end of every phase therefore has a closed form:
 
 * slip continues until v_t = 0;
 * then the point sticks if mu >= |K_nt| / K_tt, and otherwise slips in the direction of sign(K_nt);
@@ -81,8 +81,8 @@ def energetic_impact(
             (normal, tangential), shape (..., 2, 2).
         velocity: velocity (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s.
             The bodies approach if v_n < 0.
-        friction: Coulomb's coefficient of friction, shape (...). If restitution_friction is given,
-            it holds only in compression.
+        friction: Coulomb's coefficient of friction, shape (...); that of compression only, if
+            ``restitution_friction`` is given.
         restitution: energetic coefficient of restitution e*, in [0, 1], shape (...).
         restitution_friction: coefficient of friction in restitution, by default equal to
             ``friction``.
@@ -186,8 +186,8 @@ LAWS: dict[str, Callable[..., Impact]] = {
 }
 """The impact laws by name. All take the same arguments, so that they are interchangeable.
 
-They differ in the normal impulse at which restitution ends. To add a law, write a function that
-returns this impulse and a function of the law, and enter the law here."""
+The laws differ in the normal impulse at which restitution ends. A new law needs two functions: one
+that returns this impulse, and one with the arguments of ``energetic_impact``, entered here."""
 
 
 def _poisson_end(_velocity: Number, _compliance: Number, target: Target) -> Number:
@@ -287,8 +287,9 @@ def _mean(rigid: Impact, springs: Impact, weight: Number) -> Impact:
     """Return the weighted mean of rigid impacts and impacts on springs.
 
     ``weight`` is the weight w of the impacts on springs. Where the outcomes differ and w < 1, the
-    rigid impact is returned. The mean obeys Coulomb's law, and its normal works are right, because
-    both are linear in the impulses. Phases and the end of slip are those of the rigid impact.
+    rigid impact is returned. Coulomb's law and the normal works are linear in the impulses. So the
+    mean obeys Coulomb's law, and its normal works are exact. Phases and the end of slip are those
+    of the rigid impact.
 
     The kinetic energy is a convex function of the impulse. The mean impulse therefore leaves less
     energy than the mean of the energies, by w (1 - w) dp.dv/2 with the differences dp of the

@@ -18,8 +18,8 @@ MOST_COMPLIANCE = 1e4
 ROUNDING = 1e-9
 """Largest relative rounding error that is accepted in an inverse mass matrix.
 
-The errors are the difference K_nt - K_tn, and twice the amount by which |K_nt| exceeds sqrt(K_nn
-K_tt); both are divided by this root."""
+The errors are the difference K_nt - K_tn, and twice the amount by which |K_nt| exceeds
+sqrt(K_nn K_tt). Both errors are divided by sqrt(K_nn K_tt)."""
 
 COEFFICIENTS = {
     "friction": (MOST_FRICTION, f"from 0 to {MOST_FRICTION:g} (dimensionless)"),
@@ -28,7 +28,7 @@ COEFFICIENTS = {
     "stick_compliance": (sys.float_info.max, "finite and >= 0 (1/kg)"),
     "tangential_compliance": (MOST_COMPLIANCE, f"from 0 to {MOST_COMPLIANCE:g} (dimensionless)"),
 }
-"""Largest value of each coefficient, and the text of its range for messages. The least is 0."""
+"""Largest value of each coefficient, and its range as text for messages. The least value is 0."""
 
 Arguments = dict[str, Number]
 """Arguments by name: the entries ``k_nn``, ``k_nt`` and ``k_tt`` of the inverse mass, the velocity

@@ -1,17 +1,19 @@
 """Impact at a point with a tangential spring in addition to the normal spring (Stronge).
 
-The normal spring has stiffness k in loading and k/e*^2 in unloading, so that it returns e*^2 of the
-work of loading. The tangential spring has stiffness k/eta^2. The foot is the spring's end on the
-surface. The foot slides where the spring's force T would exceed the friction limit, |T| <= mu N.
-With the inverse mass matrix K, dv = K (N, T) dt. The outcome depends on K, v, mu, e* and eta^2. The
-stiffness k affects only the duration, and is set to 1. An impact is a sequence of phases
-(``impact_stick``, ``impact_springs``):
+The normal spring has the stiffness kappa k, with kappa = 1 in loading and kappa = 1/e*^2 in
+unloading, so that it returns e*^2 of the work of loading. The tangential spring has the stiffness
+k/eta^2. The foot is the tangential spring's end on the surface. The foot slides where the spring's
+force T would exceed the friction limit, |T| <= mu N. With the inverse mass matrix K, the velocity
+v = (v_n, v_t) of the contact point obeys dv = K (N, T) dt. The outcome depends on K, v, mu, e* and
+eta^2. The stiffness k affects only the duration, and is set to 1. An impact is a sequence of
+phases (``impact_stick``, ``impact_springs``):
 
-* stick: the motion of two oscillators. It ends where the force reaches the friction limit or where
-loading or unloading ends; * slip in the sense s: T = -mu s N, so that v and the foot's velocity v_t
-+ mu s eta^2 kappa v_n are linear in the normal impulse p, and N^2 = N_0^2 - 2 kappa (v_n p +
-v_n'(p) p^2/2). It ends at a root of a polynomial: the foot stops, loading or unloading ends, or N =
-0.
+* stick: the point moves like two oscillators. The phase ends where the force reaches the friction
+  limit, or where loading or unloading ends;
+* slip in the sense s: T = -mu s N. The velocity v and the foot's velocity
+  v_t + mu s eta^2 kappa v_n are then linear in the normal impulse p, and
+  N^2 = N_0^2 - 2 kappa (v_n p + v_n'(p) p^2/2). The phase ends at a root of a polynomial: the foot
+  stops, loading or unloading ends, or N = 0.
 
 Loading ends where v_n = 0. With e* = 0 the contact ends there too, and the energy of both springs
 is lost. In unloading the coefficient of friction is mu_2. A tangential force T beyond the friction
@@ -73,7 +75,8 @@ det K = 2e-5 K_nn K_tt."""
 
 SETTLING = 120
 LEAST_RESOLVED = 2e-3
-"""Largest number of phases of stick in two special cases, instead of ``MOST_IN_STICK``.
+"""In two special cases ``SETTLING`` is the largest number of phases of stick, instead of
+``MOST_IN_STICK``.
 
 The first case is a jam of one degree of freedom, which further phases do not change. The second
 case is a coefficient of restitution e* below ``LEAST_RESOLVED``. The steep unloading spring then
@@ -82,8 +85,8 @@ changes the velocity, by up to an eighth."""
 
 CHATTER = 500
 FURTHER = 20
-"""Number of changes from unloading to loading before the slip velocity is first halved, and number
-of further changes before each further halving.
+"""``CHATTER`` is the number of changes from unloading to loading before the slip velocity is first
+halved, ``FURTHER`` the number of further changes before each further halving.
 
 If friction is larger in unloading than in loading, slip can press the point back as soon as the
 point begins to separate. In about one of a thousand impacts this occurs a million times, and each
@@ -107,11 +110,11 @@ class Course:
             everything after the first stick or slip.
         row: index of the present phase in ``totals``.
         slip_stop: normal impulse at which the initial slip stops.
-        phases: number of consecutive phases of the kinds whose number is bounded.
+        phases: number of consecutive phases that count towards ``MOST_IN_STICK`` and ``SETTLING``.
         returns: number of changes from unloading to loading.
-        kept: ``totals`` and the velocity at the first balance of forces or end of loading. An
-            impact that would never end, of a point with one degree of freedom, is taken to end
-            there.
+        kept: ``totals`` and the velocity at the first balance of forces or end of loading. The
+            impact of a point with one degree of freedom may never end; it is then taken to end at
+            this balance or end of loading.
     """
 
     def __init__(self, contact: Contact) -> None:
@@ -160,7 +163,7 @@ class Course:
             self.apply(event, slip)
 
     def add(self, sums: Sums, slip: float) -> None:
-        """Add the impulses and works of a phase to the totals."""
+        """Add the impulses and works of a phase (``sums``) and its sense of slip to the totals."""
         totals = self.totals[self.row]
         for index, each in enumerate(sums):
             totals[index] += each
@@ -209,11 +212,10 @@ class Course:
             self.slip_stop = sum(row[0] for row in self.totals)
 
     def load_again(self) -> None:
-        """Begin to load again: count all phases so far as compression.
+        """Return from unloading to loading, and count all phases so far as compression.
 
-        After too many changes between loading and unloading, halve the slip velocity as well.
-
-        During these changes the mean friction force keeps the normal velocity constant.
+        After ``CHATTER`` such changes the slip velocity is halved as well. In the motion that is
+        thus skipped, the mean friction force keeps the normal velocity constant.
         """
         first, second, *later = self.totals
         for index in range(4):

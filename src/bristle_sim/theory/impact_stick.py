@@ -37,10 +37,10 @@ half-plane."""
 LEAST_SQUARE = 1e-300
 
 LEAST_STEP = 1e-6
-"""Time step away from an instant at which an event function and its slope are zero, multiplied by
+"""Time step that leaves an instant at which an event function and its slope are zero, multiplied by
 the natural angular frequency of the fast mode.
 
-In this step the function changes by 1e-18 of its amplitude."""
+In this step the event function changes by a fraction 1e-18 of its amplitude."""
 
 # Second derivative, as a fraction of its bound, below which a step of ``LEAST_STEP`` cannot take
 # the event function past zero.
@@ -54,7 +54,7 @@ GRAZE = 1.0 - 1e-13
 # its lower derivatives are rounding error.
 FLAT = 1e-10
 
-WIDE = 1e3  # rounding error of a function that stays zero, divided by that of its terms
+WIDE = 1e3  # rounding error of an event function that stays zero, divided by that of its terms
 
 
 class Oscillator:
@@ -210,12 +210,13 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
 
     Args:
         contact: the contact, whose state the function changes.
-        jams: whether a point with one degree of freedom is not advanced if it would move into the
-            surface without end. The event is then ``NEVER``.
-        settles: whether the contact is not advanced, but only its fast mode loses its energy. The
-            event is then ``SETTLED``.
-        balances: whether the phase of a point with one degree of freedom ends, at the latest, when
-            the velocity of its fast mode is zero. The event is then ``BALANCED``.
+        jams: if True, a point with one degree of freedom that would move into the surface without
+            end is not advanced in time. The event is then ``NEVER``.
+        settles: if True, the contact is not advanced in time, but its fast mode loses its energy.
+            The event is then ``SETTLED``, or ``NEVER`` for a point that would move into the surface
+            without end.
+        balances: if True, the phase ends in loading, for a point with one degree of freedom, at the
+            latest when the velocity of its fast mode is zero. The event is then ``BALANCED``.
 
     Returns:
         The event that ends the phase, and the phase's impulses and works.
@@ -282,8 +283,14 @@ def _first_event(
 ) -> tuple[float, Event]:
     """Return the time of the first event in stick, and the event.
 
-    If the force reaches the friction limit, the sense of slip is set in the contact. ``balance`` is
-    the time at which the phase ends at the latest, or infinite.
+    If the force reaches the friction limit, the sense of slip is set in the contact.
+
+    Args:
+        contact: the contact at the start of the phase.
+        modes: the fast and the slow mode.
+        axis: axis of the fast mode, from ``modes_of``.
+        still: whether the slow mode moves by rounding error only.
+        balance: time at which the phase ends at the latest, or infinite.
     """
     if balance == 0.0:
         return 0.0, Event.BALANCED

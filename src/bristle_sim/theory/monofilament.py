@@ -170,7 +170,7 @@ def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio
 
 
 def stiction_friction(impact_angle: Number) -> Number:
-    """Return the least friction at which no impulse can separate the tip from the workpart.
+    """Return the least coefficient of friction at which no impulse parts the tip from the workpart.
 
     It is a coefficient of friction in restitution, and equals tan gamma with the impact angle gamma
     (rad) (Zhang 2020, eq. 2.51).

@@ -11,7 +11,7 @@ generalized speeds q_1 = L phi'_1 and q_2 = L phi'_2/2, with c = cos(theta_1 - t
     T = (m_1/3 + m_2) q_1^2/2 + 2 m_2 q_2^2/3 + m_2 c q_1 q_2                                        (2.66, 2.93)
     v_C = (-q_1 cos theta_1 - 2 q_2 cos theta_2, q_1 sin theta_1 + 2 q_2 sin theta_2)                (2.68, 2.95)
 
-An impulse (dp_x, dp_y) on C changes the generalized momenta by (2.69)
+An impulse (dp_x, dp_y) on C changes the generalized momenta T_1 = dT/dq_1, T_2 = dT/dq_2 by (2.69)
 
     dT_1 = -cos theta_1 dp_x + sin theta_1 dp_y,    dT_2 = -2 cos theta_2 dp_x + 2 sin theta_2 dp_y.
 

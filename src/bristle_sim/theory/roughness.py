@@ -115,7 +115,9 @@ def profile_measures(
 
 
 def _mean_spacing(profile: Array, least: float) -> float | None:
-    """Return the mean length of a profile's elements, in point distances; None without an element.
+    """Return the mean length of a profile's elements as a multiple of the distance between points.
+
+    The result is None if the profile contains no whole element.
 
     An element extends from one rise through the mean line to the next. It consists of a hill and a
     dale, whose extremes are at least ``least`` from the mean line (RSm of ISO 21920-2). The
@@ -127,7 +129,7 @@ def _mean_spacing(profile: Array, least: float) -> float | None:
         return None
 
     def crossing(rise: int) -> float:
-        """Return the place at which the profile rises through the mean line, in point distances."""
+        """Return the place of a rise through the mean line, in multiples of the point distance."""
         first = beyond[rise] + np.flatnonzero(profile[beyond[rise] : beyond[rise + 1]] < 0.0)[-1]
         return float(first + profile[first] / (profile[first] - profile[first + 1]))
 

@@ -24,7 +24,7 @@ PARALLEL = 1e-8
 
 
 def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike) -> Number:
-    """Return the least friction at which the tip of a double pendulum sticks when its slip stops.
+    """Return the least friction coefficient at which a double pendulum's tip sticks after its slip.
 
     With the mass ratio n = m_1/m_2 of the rods, their angles theta_1 and theta_2 to the surface's
     normal (rad) and c = cos(theta_1 - theta_2), the coefficient of friction is
@@ -105,8 +105,8 @@ class RodImpact:
     def _guided(self, freedom: Sequence[float], push: float) -> Array:
         """Return the change of the generalized speeds per unit normal impulse in a guided motion.
 
-        A constraint makes the change proportional to ``freedom``. ``push`` is the work that the
-        impulse would do at the generalized speeds ``freedom``, per unit normal impulse.
+        A constraint makes the change proportional to the vector ``freedom``. ``push`` is the scalar
+        product of ``freedom`` and the generalized impulse, per unit normal impulse.
         """
         direction = np.array(freedom)
         return direction * (push / float(direction @ self.inertia @ direction))

@@ -70,10 +70,11 @@ def hinge_damping(
 ) -> float:
     """Return the constant of the torsional damper between two rigid links of a wire, N m s/rad.
 
-    It is 2 zeta k_w/omega_1, with the damping ratio zeta (``damping_ratio``) and the angular
-    frequency omega_1 of the beam's first bending mode, and the stiffness k_w of
-    ``hinge_stiffness``. A mode of angular frequency omega then has the damping ratio zeta
-    omega/omega_1. A wire without bending stiffness has no damping.
+    It is 2 zeta k_w/omega_1, where k_w is the stiffness of ``hinge_stiffness``. zeta
+    (``damping_ratio``) is the damping ratio of the beam's first bending mode, and omega_1 the
+    angular frequency of this mode. A mode of angular frequency omega then has the damping ratio
+    zeta omega/omega_1. A wire without bending stiffness has no damping. The other arguments are
+    those of ``beam_frequencies``.
     """
     stiffness = hinge_stiffness(diameter, length, modulus, links)
     if not (damping_ratio and stiffness):
@@ -140,10 +141,10 @@ def beam_frequencies(
 def chain_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> Array:
-    """Return the natural frequencies of a chain of equal rigid links (Hz), shape (links,).
+    """Return the natural frequencies of a chain of equal rigid links (Hz), in ascending order.
 
-    They are ascending. The chain approximates a wire. The arguments are those of
-    ``beam_frequencies``, with the number of links instead of modes.
+    The chain approximates a wire. The arguments are those of ``beam_frequencies``, with the number
+    of links instead of modes. The result has the shape (links,).
 
     The squared angular frequencies are the generalised eigenvalues of the stiffness and mass
     matrices in the links' absolute angles. For n links of length l and mass m_l the mass matrix is
