@@ -1,6 +1,7 @@
 """Simulation of a bristle-blasting tool, and comparison with the formulas of a dissertation.
 
-A pass at the dissertation's operating point, with its strike:
+Simulate one pass of a bristle at the dissertation's operating point, and print its strike on the
+workpart:
 
 >>> import bristle_sim as bs
 >>> tool = bs.Tool(workpart=bs.Workpart(friction=0.31, restitution=0.42))

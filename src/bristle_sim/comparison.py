@@ -54,19 +54,19 @@ class Quantity:
 
     @property
     def judge(self) -> tuple[str, float] | None:
-        """The value with which the simulated value is compared, preceded by the name of its source.
+        """Source and value with which the simulated value is compared; None if there is no value.
 
-        The source is the first of ``reference``, ``theory`` and ``printed`` that has a value. The
-        result is None if all are absent.
+        The source is the first of ``reference``, ``theory`` and ``printed`` that has a value.
         """
         known = ((name, getattr(self, name)) for name in JUDGES)
         return next((each for each in known if each[1] is not None), None)
 
     @property
     def relative_difference(self) -> float | None:
-        """Simulated value minus the value of :attr:`judge`, divided by the magnitude of the latter.
+        """Simulated minus compared value, divided by the magnitude of the compared value.
 
-        The result is None if either value is missing or the latter is 0.
+        The compared value is that of :attr:`judge`. The result is None if one of the two values is
+        missing, or if the compared value is 0.
         """
         judge = self.judge
         if self.simulated is None or judge is None or not judge[1]:
@@ -77,8 +77,8 @@ class Quantity:
     def ok(self) -> bool | None:
         """Whether the difference from the compared value is within the tolerance.
 
-        The result is None if there is no tolerance or no compared value. NaN is never within a
-        tolerance.
+        The result is None if there is no tolerance or no compared value. It is False if the
+        simulated value is missing or NaN.
         """
         if self.tolerance is None:
             return None
@@ -229,9 +229,9 @@ def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
     """Return the table of quantities as text for a terminal of a given width, in characters.
 
     Units have readable prefixes, and empty columns are omitted. If the table is still too wide, it
-    has fewer digits. If necessary, the column of the independent solution is omitted, and then the
-    column of the tolerance. The column of differences names the source of the values with which the
-    simulated ones are compared.
+    shows fewer digits. If necessary, the column of the independent solution is omitted, and then
+    the column of the tolerance. Each entry of the column of differences names the source with which
+    the simulated value is compared.
     """
     for layout in LAYOUTS:
         head, *lines = aligned(cells(quantities, *layout), (0, 1))
@@ -275,16 +275,16 @@ def cells(
 
 
 LEAST_SIZE = 1e-12
-"""Smallest magnitude of a value, in SI units, that can be the base of a relative difference; a
-smaller value counts as zero."""
+"""Magnitude (in SI units) above which a value can be the base of a relative difference; a smaller
+value counts as zero."""
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
-    """Return a text that names the quantity with the largest relative difference.
+    """Return a text on the quantity whose simulated value differs most from that of one source.
 
-    The difference is that of the simulated value from the value of one source. The text gives both
-    values, as in ``x 3 N, printed 4 N``. It is empty if no quantity has both. A value of the source
-    counts as missing if its magnitude is at most ``LEAST_SIZE``.
+    Differences are relative. The text gives both values, as in ``x 3 N, printed 4 N``; it is empty
+    if no quantity has both values. A value of the source counts as missing if its magnitude is at
+    most ``LEAST_SIZE``.
 
     Args:
         quantities: quantities to search.

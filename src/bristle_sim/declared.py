@@ -1,7 +1,7 @@
 """Declarations of parameters: default, unit, range, meaning and source in one place.
 
 A declaration checks every value of its parameter, whether it comes from Python, a file or the
-command line. It also documents the field and the key in a script's list of parameters.
+command line. It also documents the parameter in its class and in a script's list of parameters.
 """
 
 import dataclasses
@@ -89,7 +89,7 @@ class Declaration:
         """Check that a value is a permitted text, and return it.
 
         Raises:
-            ValueError: if it is empty or not a text, or if it names a file that cannot be read.
+            ValueError: if the value is empty or not a text, or names a file that cannot be read.
         """
         if isinstance(value, str) and value.strip():
             with suppress(OSError, ValueError):  # a name too long, a null character
@@ -250,7 +250,7 @@ class Range(Declaration):
         """
         default = abs(self.default or 0.0)
         least, most = self.usual or (default / FAR, default * FAR)
-        # The ends include rounding. Zero switches an effect off.
+        # A value at either end, up to rounding, is unusual. Zero is not: it switches an effect off.
         if not value or not most or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12):
             return ""
         unit = "" if self.unit == "1" else f" {self.unit}"

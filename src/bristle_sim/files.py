@@ -42,8 +42,8 @@ def checked_target(
         folder: whether the path must be a folder instead of a file.
 
     Raises:
-        ValueError: if it cannot be written; the message is one line that begins with the option, if
-            given, or with the path.
+        ValueError: if the file or folder cannot be written. The message is one line that begins
+            with the option, if given, or with the path.
     """
     target = named_path(path)
     named = f"{option} = {str(path)!r}" if option else str(path)
@@ -64,7 +64,7 @@ def checked_target(
 
 @contextmanager
 def complete_or_absent(target: Path) -> Iterator[Path]:
-    """Yield the path of a temporary file to write; when it is complete, it replaces the target.
+    """Yield the path of a temporary file to write; the complete file replaces the target.
 
     If an error occurs, the temporary file is deleted and the target stays unchanged. If the target
     is a symbolic link, the link is kept and the file to which it points is replaced. A pipe, a
@@ -115,7 +115,7 @@ def _descriptor(path: Path) -> int | None:
 def _opened(path: Path) -> BinaryIO:
     """Open a device, a pipe or an already open stream for writing.
 
-    A stream that is already open is duplicated, because opening it by name would empty its file.
+    An open stream is duplicated, because opening it by name would empty the file behind it.
     """
     number = _descriptor(path)
     if number is None:

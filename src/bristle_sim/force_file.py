@@ -21,10 +21,10 @@ VOLTAGE = {"V": 1.0, "mV": 1e-3}  # conversion factors of units to SI, as in TIM
 UNIT = re.compile(r"^(.*?)\s*[\[(/]\s*([^\])/]*?)\s*[\])]?$")
 """Pattern of a heading with a unit: ``time (ms)``, ``force [kN]``, ``t / us``."""
 
-MOST = 1e100  # largest number in a file; the squares of larger times and forces overflow
+MOST = 1e100  # largest magnitude of a number in a file, so that squares and products stay finite
 
-# Least number of points in a file. The curve fitted to them has three unknowns even if the time of
-# its start is given.
+# Least number of points in a file. The curve fitted to the points has three unknowns even if the
+# instant at which it starts is given.
 FEWEST_POINTS = 4
 
 

@@ -26,8 +26,8 @@ CUSTOMARY = {
     "m^3/s": ("mm³/s", 1e-9),
     "m^2/s": ("m²/h", 1.0 / 3600.0),
 }
-"""Unit in which a quantity is shown, and the size of this unit in the original one, by the original
-unit."""
+"""For each original unit: the unit in which a quantity is shown, and the size of the shown unit in
+the original unit."""
 
 
 def finite(value: float | None) -> float | None:
@@ -96,10 +96,10 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 
 
 def relative_text(value: float | None, sign: str = "") -> str:
-    """Return a relative number as text.
+    """Return a relative number as text, such as ``2.5 %``, ``3e-06`` or ``12 times``.
 
-    The number is shown in per cent; below 1e-4 it is shown with a power of ten, and from 10 on as a
-    multiple. If ``sign`` is ``+``, positive numbers have a sign.
+    A magnitude below 1e-4 is shown with a power of ten, one of at least 10 as a multiple, any other
+    in per cent. If ``sign`` is ``+``, positive numbers have a sign.
     """
     if not value or not math.isfinite(value):
         return "0" if value == 0.0 else "-"

@@ -11,8 +11,8 @@ from bristle_sim.fields import ANY, count, quantity
 MAXIMUM_STEPS = 500_000
 """Default of the largest number of engine steps of a simulation.
 
-It suffices for sixty whole passes of a rigid bristle, or for one pass of a wire of 8 links. The
-steps take 2 to 6 s of CPU time; for a wire that bends, 12 to 20 s."""
+So many steps suffice for sixty whole passes of a rigid bristle, or for one pass of a wire of 8
+links. They take 2 to 6 s of CPU time for a rigid bristle, 12 to 20 s for a wire of links."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +53,14 @@ EVENTS = (
 STOP_AFTER = Choice("stop_after", options=EVENTS)
 """Declaration of the event that ends a simulation."""
 
-# Name of the event before the strike at which the first link is farthest behind the radial direction
+# Name of the event, before the strike, at which the first link is farthest behind radial
 LARGEST_RETRACTION = "largest retraction"
 
 OBSTACLE = Choice("obstacle", options=("bar", "workpart", "wire"))
 """Declaration of an obstacle that a wire can touch."""
 
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
-"""Names of records at the end of a simulation, with the event whose absence each one states."""
+"""Records at the end of a simulation that state the absence of an event, and the absent event."""
 
 
 class StopReason(StrEnum):

@@ -85,7 +85,7 @@ def write_tool(tool: Tool, path: str | Path) -> None:
 
     Raises:
         ValueError: if ``tool`` is not a Tool.
-        OSError: if the file cannot be written; the message names it.
+        OSError: if the file cannot be written; the message names the file.
     """
     tool = checked_tool(tool)
     lines = [

@@ -18,10 +18,10 @@ TYPED = re.compile(
     rf"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>{_UNIT}(?:\s*[*/\u00b7 ]\s*{_UNIT})*)?",
     re.ASCII,
 )
-"""Pattern of a typed decimal number with or without a unit, which may be a product of powers.
+"""Pattern of a typed decimal number with or without a unit. The unit may be a product of powers.
 
-Unlike Python's float() it does not accept underscores between digits or digits of other scripts,
-which nobody types on purpose."""
+Unlike Python's float(), the pattern accepts neither underscores between digits nor digits of other
+scripts, which nobody types on purpose."""
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(?![\d,])")
 """Pattern of a number whose thousands are grouped by commas, as in 3,000 rpm."""
@@ -42,8 +42,8 @@ DISPLAY = {
     "Pa": ("MPa", 1e6),
     "1/s": ("Hz", 1.0),
 }
-"""Customary unit, and its size in the declared unit, by the unit in which a parameter is
-declared."""
+"""For each unit in which parameters are declared: the customary unit, and the size of the customary
+unit in the declared unit."""
 
 DISPLAY_OF_KEY = {
     "wire_modulus": ("GPa", 1e9),
@@ -52,8 +52,8 @@ DISPLAY_OF_KEY = {
     "rate_1": ("rad/s", 1.0),
     "rate_2": ("rad/s", 1.0),
 }
-"""Customary unit, and its size in the declared unit, by key; for keys that differ from
-``DISPLAY``."""
+"""Customary unit and its size in the declared unit, as in ``DISPLAY``, for the keys of parameters
+whose customary unit differs from that in ``DISPLAY``."""
 
 
 def display_unit(key: str, unit: str) -> tuple[str, float]:
@@ -116,8 +116,8 @@ def conversion(unit: str, to: str) -> float | None:
 def likely_unit(unit: str, to: str) -> str:
     """Return a hint that suggests a unit in place of a mistyped one.
 
-    Of the common units that can be converted to ``to``, the hint suggests the one with the most
-    similar name. It is empty if no name is similar.
+    Of the common units that can be converted to the unit ``to``, the hint suggests the one with the
+    most similar name. The hint is empty if no name is similar.
     """
     fitting = {_unspaced(name): name for name in TYPICAL_UNITS if conversion(name, to) is not None}
     closeness = (
@@ -130,8 +130,9 @@ def likely_unit(unit: str, to: str) -> str:
 def meant_unit(text: str, unit: str, typical: float) -> str:
     """Return a unit that may have been meant for a number typed without a unit.
 
-    With that unit the number is within a factor of ten of ``typical``, a value in ``unit``. The
-    result is empty if there is no such unit, or if the text already has a unit.
+    In the returned unit the number is within a factor of ten of ``typical``, which is a usual value
+    in the declared unit ``unit``. The result is empty if no common unit fits, or if the text has a
+    unit.
     """
     try:
         number = float(text)

@@ -1,10 +1,11 @@
 """Search for the direction of the bar at which the strike is radial (a root), and for the direction
 at which the tip is fastest (a maximum).
 
-The bar moves around the hub at a constant distance S = hypot(S_H, S_V) from its centre, so that the
-retraction at the release is constant. The bar's direction from the workpart's normal decides when
-the bristle is released. The farther the direction is from the normal, the smaller the lag at the
-strike.
+The bar moves around the hub's centre at the constant distance S = hypot(S_H, S_V), with S_H along
+the workpart and S_V normal to it. The retraction at the release, the angle by which the bristle is
+then behind the radial direction, is therefore constant. The bar's direction, measured from the
+workpart's normal, decides when the bristle is released. The larger this angle, the smaller the
+bristle's lag behind the radial direction at the strike.
 """
 
 from __future__ import annotations
@@ -30,21 +31,24 @@ Measures = Mapping[str, float]
 Strikes = Callable[[Array], Mapping[str, NDArray[Any]]]
 """Function of directions of the bar (rad) that returns the measures of the strikes by name.
 
-A bristle that does not strike after leaving the bar has NaN, and the reason under FAILURE."""
+If a bristle does not strike after leaving the bar, its measures are NaN, and the entry FAILURE has
+the reason."""
 
-FINEST_DIRECTION = 1e-11  # Tolerance of the root, rad: the error of the lag at the finest accuracy
-FINEST_MAXIMUM = (
-    1e-5  # Tolerance of the maximum, rad: the speed changes by its square, less than any accuracy
-)
+# Tolerance of the bar's direction for a radial strike, rad: the error of the lag at the finest
+# accuracy
+FINEST_DIRECTION = 1e-11
+# Tolerance of the direction for the fastest tip, rad. The relative error of the highest speed is
+# about the square of the tolerance.
+FINEST_MAXIMUM = 1e-5
 # Step between the directions of a first survey, rad: STEP if the passes are computed in arrays,
 # COARSE_STEP if they are simulated one by one. No range of directions with a strike is narrower.
 STEP = math.radians(0.5)
 COARSE_STEP = math.radians(4.0)
-# Largest lag at a root, deg. The lag jumps from one sign to the other, without a root, where the
-# bristle just misses the bar.
+# Largest magnitude of the lag at which a strike counts as radial, deg. Where the bristle just
+# misses the bar, the lag jumps from one sign to the other without becoming so small.
 LAG_JUMP = 1e-4
-# Least angle beyond radial (deg) by which the bristle must strike for some direction of the bar. A
-# bristle that creeps to rest passes radial by rounding error alone.
+# Least angle beyond radial (deg) at which the bristle must strike for some direction of the bar, or
+# no strike counts as radial. A bristle that creeps to rest passes radial by rounding error alone.
 SWUNG = 0.01
 
 NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"
@@ -111,7 +115,8 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
 
 
 def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
-    """Return the direction of the bar at which the bristle is radial when it strikes.
+    """Return the direction of the bar at which the bristle is radial when it strikes, with this
+    strike.
 
     If several directions give a radial strike, the direction nearest to that of the cue formula is
     returned.
@@ -163,7 +168,7 @@ def _place(strikes: Strikes, direction: float) -> Place:
 
 
 def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
-    """Return the direction of the bar at which the tip strikes fastest.
+    """Return the direction of the bar at which the tip strikes fastest, with this strike.
 
     The search climbs from the direction ``start`` (rad) in steps of ``step`` (rad) to the nearest
     maximum of the tip speed. Brent's method then refines this maximum.

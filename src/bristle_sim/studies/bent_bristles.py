@@ -72,8 +72,8 @@ def slide_path(history: ContactHistory) -> Array:
 
 
 def slide_measures(contact: ContactRecord) -> dict[str, float]:
-    """Return the tip's slide along the workpart in a contact, and the tip's speeds before and after
-    it.
+    """Return the tip's slide along the workpart in a contact, and its speeds before and after the
+    contact.
 
     ``MEASURES`` lists the names and units. ``slide_in_touch`` is the displacement from the first
     touch to the release. It is negative if the tip ends behind the point of first touch.

@@ -1,14 +1,14 @@
 """Crater depths that the formulas of Zhang 2020, chapter 4, give, compared with the printed values
 and with the depths that a simulated contact gives.
 
-Only the compression phase of the tip's contact is simulated. It lasts as long as in the high-speed
-film. One depth follows from the contact's force, another from its energy.
+Only the compression phase of the tip's contact is simulated. The phase lasts as long as in the
+high-speed film. One depth follows from the contact's force, another from the contact's energy.
 
 Equation (4.45) is 2 eta + beta - alpha = C, with the shear angle eta, the friction angle beta and
 the rake angle alpha. The constant C depends on the work material. The dissertation uses 90 degrees,
-the value of least work; its crater is deeper than the measured one. A smaller C makes a flatter
-shear plane and a shallower crater. Below a certain C the shear plane no longer reaches the surface
-(4.35). Such a C may fit the depth, but no chip forms.
+the value of least work; the crater is then deeper than the measured one. A smaller C makes a
+flatter shear plane and a shallower crater. Below a certain C the shear plane no longer reaches the
+surface (4.35). Such a C may fit the measured depth, but no chip forms.
 """
 
 import math

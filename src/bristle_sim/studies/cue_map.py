@@ -243,7 +243,7 @@ def _named(tool: Tool, radial: bar_search.Place, fastest: bar_search.Place) -> V
 def position_map(found: CueMap) -> tuple[Array, Array, dict[str, Array]]:
     """Compute the strikes for a grid of positions of the bar.
 
-    The grid contains the tool's own position and the positions that the study found.
+    The grid extends over the position of the tool's own bar and the positions that the study found.
 
     Returns:
         The coordinates S_H along the workpart and S_V normal to it (m), each ascending.

@@ -77,8 +77,9 @@ class CueTiming:
         formula: cue by the formulas; None if the belt has no stiffness.
         reference: cue by the independent reference solver; None if it was not requested.
         bar: the bar at the position with which the cues are compared.
-        passes: results of whole passes. In the first pass the bar is at the cue ``simulated``; this
-            pass is absent if that is None. In the last pass it is ``bar``.
+        passes: results of whole passes. In the first pass the bar is at the position of the cue
+            ``simulated``; without this cue there is no such pass. In the last pass the bar is
+            ``bar``.
         readings: results for several belt stiffnesses, by name: each interpretation of the unit of
             the printed stiffness, and the stiffness at the filmed 254 Hz. The key ``own`` has the
             results for the tool's stiffness, if that is none of these.
@@ -312,7 +313,7 @@ def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quant
 
 
 def _tolerance(settings: Settings) -> float:
-    """Return the largest accepted relative difference of a release from its reference."""
+    """Return the largest accepted relative difference of a release from the reference solution."""
     return max(1e-8, 10.0 * settings.accuracy)
 
 

@@ -1,5 +1,5 @@
-"""Design: finds a tool, with parameters in given ranges, whose pass attains target values, and the
-sensitivity of the quantities of the pass to the parameters.
+"""Design: finds a tool, with parameters in given ranges, whose pass attains target values, and how
+sensitive the pass is to each parameter. A pass is the trip of one bristle past bar and workpart.
 """
 
 from __future__ import annotations
@@ -31,17 +31,16 @@ from bristle_sim.studies.many_passes import (
 from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
 from bristle_sim.units import likely_key, shown
 
-# Largest deviation from the wanted value at which a quantity still counts as met: relative, and for
-# angles in deg.
+# Largest deviation from a target value at which the target still counts as met: KEPT relative to
+# the target, KEPT_DEG in deg for angles.
 KEPT = 0.01
 KEPT_DEG = 1.0
-# Changes of a parameter at which the deviations are computed, divided by the largest change within
-# its range. Consecutive changes differ by 0.7 %.
+# Changes of a parameter at which deviations from the targets are computed, divided by the change to
+# the end of the parameter's range. Consecutive changes differ by 0.7 %.
 DISTANCES = np.geomspace(1e-6, 1.0, 2000)
-# Three constants that distinguish a jump of a quantity from a slope: the step of a second difference
-# quotient, as a fraction of a parameter's range; the largest relative difference of the two
-# quotients at a slope; and the smallest change over the whole range, divided by the quantity, that
-# is not rounding error.
+# A quantity jumps if two difference quotients, one with a finer step and one with the step
+# COARSE_DIFFERENCE (a fraction of the parameter's range), differ by more than the fraction SMOOTH.
+# Changes over the range of less than LEAST_CHANGE times the quantity count as rounding error.
 COARSE_DIFFERENCE = 1e-4
 SMOOTH = 0.1
 LEAST_CHANGE = 1e-4
@@ -79,10 +78,10 @@ class Design:
         varied: designed values of the varied parameters, by name.
         wants: target values, and the values that the designed tool reaches.
         report: report of the simulated pass of the designed tool.
-        before: simulated quantities of the tool before the design; None if the pass has no such
-            quantity.
+        before: simulated quantities of the tool before the design; None for a quantity that its
+            pass lacks.
         sensitivity: derivatives of the quantities with respect to each parameter; NaN if the
-            quantity jumps there.
+            quantity jumps at the designed tool.
         kept: lowest and highest value of each parameter at which all quantities stay within 1 % or
             1 deg of their target values, while the other parameters do not change.
         conflict: names of the quantities whose target values or upper limits cannot be met
@@ -132,7 +131,8 @@ def design(
     the targets and limits, the result is the one with the lowest value of the quantity
     ``minimize``, or the highest value of the quantity ``maximize``. If neither is given, it is the
     tool whose parameters differ least from those of ``tool``, relative to their ranges. The search
-    computes passes in arrays. Simulations of the tool found and of eight random tools check them.
+    computes passes in arrays. Simulations of the tool found and of eight random tools check these
+    passes.
 
     >>> import bristle_sim as bs
     >>> found = bs.design(
@@ -143,7 +143,8 @@ def design(
     251.63 rad/s, 50.878 mm
 
     Args:
-        tool: the tool that gives the values of all other parameters; by default the dissertation's.
+        tool: the tool that gives the values of the parameters that are not varied; by default the
+            dissertation's.
         want: target values of quantities of ``bristle-sim cue_and_impact``, as numbers in its units
             or texts with a unit.
         vary: lower and upper bound of each parameter to vary.

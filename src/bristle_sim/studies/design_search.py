@@ -29,10 +29,11 @@ from bristle_sim.studies.many_passes import OUTCOME, pass_quantities, values_at
 from bristle_sim.studies.sweep_point import FAILURE
 
 SEED = 1
-SURVEYED = 1024  # number of sampled points; fewer would take as long
-POPULATION = 256
+SURVEYED = 1024  # number of sampled points; the passes of fewer points would take as long
+POPULATION = 256  # number of points in each generation of the differential evolution
 GENERATIONS = 30
-# Number of best points that are refined: of the sampled points, and of the evolved population.
+# Number of points that are refined: so many of the best sampled points, and as many of the best
+# evolved ones.
 STARTS = 4
 # Step of a fraction in a finite difference. The truncation error is about 1e-10, as large as the
 # error of the passes.
@@ -65,9 +66,9 @@ class Search:
     A condition is a target value (``want``) or an upper limit (``at_most``) of a quantity. A point
     of the search is a set of parameters, each as a fraction of its range from 0 to 1. The objective
     is minimised among the points that meet all conditions. It is the quantity ``goal`` if ``goal``
-    is to be minimised, and its negative if ``goal`` is to be maximised. If ``goal`` is empty, it is
-    the sum of the squared changes of the parameters from those of ``tool``, as fractions of their
-    ranges.
+    is to be minimised, and its negative if ``goal`` is to be maximised. If ``goal`` is empty, the
+    objective is the sum of the squared changes of the parameters from those of ``tool``, as
+    fractions of their ranges.
 
     Attributes:
         tool: the tool that gives the values of all other parameters.
@@ -288,9 +289,9 @@ class Search:
         return np.asarray(found.x)
 
     def _improved(self, start: Array) -> Array:
-        """Return the local minimum of the objective near ``start``, subject to the conditions.
+        """Return the point near ``start`` of least objective, subject to the conditions.
 
-        If the minimisation fails, ``start`` is returned.
+        If the minimisation ends at a point that violates a condition, ``start`` is returned.
         """
         value, slopes = with_derivatives(
             lambda place: np.nan_to_num(self.costs(place), nan=NO_STRIKE)
@@ -320,10 +321,11 @@ class Search:
 def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Function, Function]:
     """Return two functions of one point: the values of ``function``, and their derivatives.
 
-    ``function`` takes points as fractions of the ranges. The derivatives are finite differences
-    with points inside the ranges, ``step`` away at most. A derivative that is not finite is
-    replaced by 0. The values have the shape (values,), the derivatives (values, parameters). One
-    call of ``function`` computes both, and both are stored until the point changes.
+    ``function`` takes points as fractions of the ranges. The derivatives are difference quotients
+    between points that are inside the ranges, at most ``step`` from the given point. A derivative
+    that is not finite is replaced by 0. The values have the shape (values,), the derivatives
+    (values, parameters). One call of ``function`` computes both, and both are stored until the
+    point changes.
     """
 
     @functools.lru_cache(maxsize=2)

@@ -96,7 +96,7 @@ class FilmMap:
         """Instants at which the camera's shutter opens, s.
 
         They extend from half a millisecond before the strike to half a millisecond after it. The
-        strike is midway between two of them.
+        strike is midway between two of these instants.
         """
         strike = self.run.event_time("strike") or 0.0
         step = 1.0 / self.grid.frame_rate
@@ -185,9 +185,10 @@ def _strike_time(tool: Tool, settings: Settings) -> float:
 
 
 def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[str, float | None]:
-    """Simulate a strike of the tool with some of its parameters changed, and return its measures.
+    """Simulate a strike of the tool with some of its parameters changed, and return measures of the
+    strike.
 
-    ``MEASURES`` lists their names and units. The pass ends half a millisecond after the first
+    ``MEASURES`` lists their names and units. The simulation ends half a millisecond after the first
     touch. Compression time and slide are None unless the contact law is ``compliant``.
 
     Args:

@@ -63,7 +63,7 @@ STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
 ALONE = "There is a reference for the frequencies alone"
 
-LONGEST_CONTACT = 10.0  # longest contact of the reference, in durations of the rigid bristle's
+LONGEST_CONTACT = 10.0  # longest contact of the reference, divided by that of the rigid bristle
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,7 +252,7 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 
 def ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """Return each measure of the first strike over that of the second; NaN if the latter is 0."""
+    """Return each measure of the first strike divided by that of the second; NaN instead of x/0."""
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 
@@ -333,7 +333,7 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return the ratios of strikes, by name; NaN if one of the contacts does not end."""
+        """Return the measures divided by the rigid bristle's; NaN if a contact does not end."""
         found = []
         for each in strikes:
             try:

@@ -2,9 +2,9 @@
 contact of the bristle.
 
 The curve (3.19) is that of a ball on a plate, transferred to the bristle. The simulated contact is
-a spring, with the same compressive impulse and compression time. A curve of the form (3.3), fitted
-to a measured record, may replace (3.19). The residuals of the fit, less the noise, show whether the
-record has that form. The noise is estimated from second differences.
+a spring, by default with the compressive impulse and the compression time of the curve. A curve of
+the form (3.3), fitted to a measured record, may replace (3.19). The residuals of the fit, less the
+noise, show whether the record has that form. The noise is estimated from second differences.
 """
 
 import math
@@ -41,7 +41,9 @@ PRINTED = {
 # Largest root mean square difference, divided by the peak force, at which a record counts as having
 # the form of eq. 3.3. A half sine differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
 FORM = 0.05
-CERTAIN = 5.0  # largest difference that is attributed to noise, in its standard deviations
+# Largest excess of the mean square residual over the noise that is attributed to chance, in
+# standard deviations of this excess
+CERTAIN = 5.0
 
 
 @dataclass(frozen=True, slots=True)

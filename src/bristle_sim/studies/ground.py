@@ -4,9 +4,9 @@ meets earlier craters.
 Every strike lowers the shape of one crater (``theory/crater_body.py``) until its deepest point is
 at a height z_0, and removes everything above the shape. The rules differ in z_0:
 
-- ``energy``: the shape comes down until it has cut, from peaks and valleys, the volume of a crater
-  of the strike's depth on a plane. The energy per volume is thus assumed constant. The shape
-  continues beyond the first crater's outline.
+- ``energy``: the shape comes down until it has cut as much volume as a crater of the strike's depth
+  has on a plane. The energy per volume is thus assumed constant. The shape extends beyond the
+  outline of the crater on a plane.
 - ``plane``: z_0 is the strike's depth below the original plane.
 - ``ground``: z_0 is the strike's depth below the mean height of the ground within the outline.
   Nothing outside of the outline is cut.
@@ -35,8 +35,8 @@ HIGHEST_EVERY = 64
 # Width of a cell across the slide, divided by its length along the slide. Cells are shorter along
 # the slide, since Rz is measured in that direction and the ridges are sharp.
 CELLS_ALONG = 2
-# Height of the first window that a strike tries, divided by the height that the strike before
-# needed
+# Height of the crater shape up to which a strike first searches for cells to cut, divided by the
+# height that the preceding strike needed. Both heights are measured from the shape's lowest point.
 MARGIN = 1.1
 
 
@@ -44,9 +44,9 @@ def floor_of_volume(above: Array, volume: float) -> float:
     """Return the height z_0 to which cells must be cut down to remove a given volume.
 
     z_0 solves sum of max(above - z_0, 0) = volume, where ``above`` are the heights of cells of unit
-    area. The first trial height is that at which all cells together would lose the volume. It is
-    wrong if some cells are below it. Such cells are left out and the trial height is computed anew,
-    until no remaining cell is below it (Michelot 1986).
+    area. The first trial height assumes that all cells are cut. Cells below the trial height are
+    then left out and a new trial height is computed, until it is below all remaining cells
+    (Michelot 1986).
 
     In this example the two highest of three cells lose a volume of 3:
 
@@ -63,7 +63,7 @@ def floor_of_volume(above: Array, volume: float) -> float:
 
 @dataclass(eq=False)
 class Ground:
-    """Grid of ground heights, which is plane at first and is changed by every strike.
+    """Heights of the ground on a grid of cells; at first all are 0, and every strike lowers some.
 
     Attributes:
         body: shape of the crater that a strike cuts.
@@ -145,8 +145,8 @@ class Ground:
     def _window(self, x: float, y: float, height: float) -> tuple[Any, Array]:
         """Return the indices of the cells near (x, y), and the crater shape's heights there.
 
-        The cells are those where the shape is at most ``height`` (m) above its lowest point. There
-        is always at least one cell.
+        The cells form the rectangle around the part of the shape that is at most ``height`` (m)
+        above the shape's lowest point. There is always at least one cell.
         """
         start, end, side = self.body.reach(height)
         along, dx = _cells(x, start, end, self.step, self.heights.shape[1])
@@ -187,7 +187,7 @@ MOST_STRIKES = 200_000  # largest number of strikes on a surface; they take some
 # two to four.
 COVERAGE_ROUNDS = 8
 # Error of the coverage at which the search for the feed ends, and largest error that is accepted
-# after its last iteration
+# after the last iteration of the search
 COVERAGE_TOLERANCE = 1e-3
 COVERAGE_ACCEPTED = 1e-2
 SPREAD = 3.0  # largest deviation of a depth from the mean, in standard deviations
@@ -224,11 +224,11 @@ def whole_planes(blasting: Blasting) -> Blasting:
 
 
 def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
-    """Strike a ground, at first plane, as often as its coverage, areal ratio or feed speed requires.
+    """Strike a plane ground as often as the requested coverage, areal ratio or feed speed requires.
 
     Args:
         blasting: parameters of the track and the ground.
-        body: shape of the first crater.
+        body: shape of a crater on a plane.
         rate: number of strikes of the tool per second.
 
     Returns:

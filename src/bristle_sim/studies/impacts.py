@@ -44,11 +44,10 @@ it. Also the largest tangential work that counts as zero, divided by the normal 
 # is the difference of two such distances.
 HEIGHT_ROUNDING = 1e-15
 LEAST_SLOPE = 100.0
-"""Least angle between bristle and surface, divided by the angle by which the bristle rotates during
-a contact resolved in time, at which the slide of the tip is compared with theory.
+"""Least ratio at which the slide of the tip is compared with theory: the angle between bristle and
+surface, divided by the angle by which the bristle rotates during a contact resolved in time.
 
-The tip of a bristle that is nearly parallel to the surface slides by this rotation alone, which the
-closed form leaves out. At the given ratio the tangential work differs by 2e-3."""
+The closed form neglects the rotation. At this ratio the tangential work differs by 2e-3."""
 MOST_WIDENED = 1e-3  # largest amount by which magnified rounding errors widen a relative tolerance
 
 IMPULSES = ("normal_compressive_impulse", "normal_final_impulse")
@@ -235,9 +234,10 @@ def _compared(
     Args:
         labels: label and unit of each quantity, by name.
         simulated, theory: values by name.
-        tolerance: accepted relative difference, not including the rounding error that the geometry
-            amplifies, which ``rounding`` adds. None if the values need not agree with theory.
-        rounding: amplified relative rounding error of each value, by name.
+        tolerance: accepted relative difference without rounding error. None if the values need not
+            agree with theory.
+        rounding: relative rounding error, amplified by the geometry, of each value, by name. It is
+            added to the tolerance.
         least: largest magnitude of a value that counts as 0, by name.
 
     Returns:

@@ -31,8 +31,8 @@ PITCH_TOLERANCE = 1e-9  # largest error of the least pitch, rad: 6e-8 deg
 INSTANTS = 1500
 # Number of local minima of the distance over time that are refined, beginning with the smallest
 MINIMA_REFINED = 2
-# Largest number of samples of a lone pass for which the pitch is searched: eight times the number
-# at the operating point.
+# Largest number of samples of a lone bristle's motion for which the pitch is searched: eight times
+# the number at the operating point.
 MOST_SAMPLES = 5000
 LARGEST_PITCH = math.pi / 2.0  # pitch at which the downward search starts, rad
 # Distance above a least pitch at which the search for a smaller one begins, rad: a thousand times
@@ -92,8 +92,8 @@ def nearest_approach(lone: Trajectory, pitch: float, until: float) -> float:
     """Return the smallest distance between the centre lines of a bristle and its follower, m.
 
     The follower repeats the motion of a lone bristle with a delay. Between samples the centre line
-    is interpolated by a cubic in time. Its relative error is h^4/384, where h is the phase of the
-    oscillation between samples, rad: 1e-8 at 150 samples per period.
+    is interpolated by a cubic in time. The relative error of the interpolation is h^4/384, where h
+    is the phase of the oscillation between samples, rad. It is 1e-8 at 150 samples per period.
 
     Args:
         lone: motion of the lone bristle.
@@ -185,7 +185,8 @@ def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
 
     Above the first pitch, neighbouring wires do not touch before the leading bristle strikes. Above
     the second, they do not touch before the following bristle strikes. Above the third, they do not
-    touch during the whole pass. The values are None if :func:`unsearched` returns a reason.
+    touch during the whole pass. A pitch is None if there is no such strike, or if
+    :func:`unsearched` returns a reason.
     """
     contact = lone.first_contact("workpart")
     found = list[LeastPitch]()

@@ -1,4 +1,6 @@
-"""Limits: the values of a parameter at which the outcome of a pass changes."""
+"""Limits: the values of a parameter at which the outcome of a pass changes, for example from a
+rebound to a miss. A pass is the trip of one bristle past bar and workpart.
+"""
 
 from __future__ import annotations
 
@@ -26,15 +28,15 @@ MOST_CHANGES = 200  # largest number of changes; with more, the outcome changes 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of the pass's outcome at a value of a parameter.
+    """A change of the outcome of a bristle's pass at a value of a parameter.
 
     Attributes:
         at: the value of the parameter, in SI units.
         below: outcome below the value.
         above: outcome above the value.
-        confirmed: whether simulations just below and just above the value have these outcomes.
-            Their offset from the value is a ten-thousandth of the searched range, or less if
-            another change is near.
+        confirmed: whether simulations just below and just above the value have these outcomes. The
+            simulated values are a ten-thousandth of the searched range away, or less if another
+            change is near.
     """
 
     at: float
@@ -46,8 +48,8 @@ class Change:
 def limits(
     tool: Tool | None = None, *, accuracy: float = 1e-8, **between: Any
 ) -> tuple[Change, ...]:
-    """Return all values of a parameter at which the outcome of the pass changes, in ascending
-    order.
+    """Return all values of a parameter at which the outcome of a bristle's pass changes, in
+    ascending order.
 
     At which coefficient of friction does the tip begin to stick?
 
@@ -57,8 +59,8 @@ def limits(
 
     Args:
         tool: the tool that gives the values of all other parameters; by default the dissertation's.
-        accuracy: relative accuracy of the passes. The values are found to this fraction of the
-            range.
+        accuracy: relative accuracy of the passes. The changes are located to within this fraction
+            of the range.
         between: one parameter by name, with the lower and upper bound of its range, as numbers in
             SI units or texts with a unit.
 

@@ -1,5 +1,5 @@
 """The quantities of the passes of many tools, computed at once in arrays and checked by single
-simulations.
+simulations. A pass is the trip of one bristle past bar and workpart.
 
 Names and units of the quantities are those of the study of a whole pass.
 """
@@ -45,8 +45,8 @@ SIZES = {
     "tip_speed_at_contact": 0.0,
     "normal_final_impulse": 0.0,
 }
-"""Quantities that are compared. A difference is divided by the quantity's magnitude, but at least
-by the value given here, in the quantity's unit."""
+"""Quantities in which simulations and vectorised passes are compared. A difference is divided by the
+quantity's magnitude, or by the value given here (in the quantity's unit) if that is larger."""
 
 UNSTRUCK = {StopReason.JAM: OUTCOMES[JAMS], StopReason.RETRACTION_LIMIT: OUTCOMES[REFUSED]}
 """Outcome in words of a simulation that stops before a strike, by the reason of the stop."""

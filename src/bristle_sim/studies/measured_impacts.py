@@ -34,9 +34,10 @@ RADIUS = 0.0025
 FRICTION = 0.092
 RESTITUTION = 0.98
 
-# Pairs (angle of incidence from the normal, deg, measured value) by Kharaz et al. 2001. The values
-# are the centre's tangential velocity after the impact divided by that before it, the spin after it
-# (rad/s), and the angle from the normal at which the centre rebounds (deg).
+# Measured pairs by Kharaz et al. 2001: the angle of incidence from the normal (deg), and one value.
+# This value is the tangential velocity of the centre after the impact divided by that before
+# (restitution), the angular velocity after the impact (spin, rad/s), or the angle of the rebound
+# from the normal (rebound_angle, deg).
 MEASURED_SPHERES = {
     "restitution": np.array([
         (1.84, 0.79344), (3.703, 0.74533), (9.496, 0.67257), (20.012, 0.59691), (30.127, 0.68756), (39.382, 0.77148),
@@ -117,8 +118,8 @@ class Ellipse(NamedTuple):
     def best_impulse(self) -> Array:
         """Return the impulses that best explain the measured velocities after the impacts.
 
-        They minimise the distance between computed and measured velocities, in the norm that the
-        kinetic energy defines. The impulses are (normal, tangential) in N s, shape (n, 2).
+        The impulses minimise the distance between computed and measured velocities, in the norm
+        that the kinetic energy defines. They are (normal, tangential) in N s, shape (n, 2).
         """
         change = self.at_contact(self.after - self.before)
         return np.asarray(np.linalg.solve(self.inverse_mass, change[..., np.newaxis])[..., 0])
@@ -277,7 +278,8 @@ def measured_impacts(measured: Measured) -> Report:
 def ellipse_errors(ellipse: Ellipse, compliance: float) -> dict[str, float]:
     """Fit each contact law to every second impact, and return its mean error on the other impacts.
 
-    The result also has the friction and the restitution that were fitted to the energetic law.
+    The result also has the number of impacts, the error of the best impulses, and the friction and
+    the restitution with which the energetic law fits.
     """
     train, test = (Ellipse(*(each[first::2] for each in ellipse)) for first in (0, 1))
     laws: dict[str, Law] = {

@@ -36,8 +36,8 @@ WIRE_TOUCH = "wire touch"
 # rows is searched by bisection within this distance of the theoretical one.
 AGREEMENT = 0.05
 RESOLUTION = 0.005  # largest width of the interval at which the bisection ends, deg
-# Number of samples in a period of the lone bristle on its belt. Its centre line is interpolated
-# between them.
+# Number of samples in a period of the lone bristle on its belt. The centre line is interpolated
+# between the samples.
 SAMPLES_PER_PERIOD = 150
 
 UNCHANGED = (
@@ -88,14 +88,14 @@ def neighbours(
 ) -> Report:
     """Find the least pitches, by theory and by simulation, and simulate one row of bristles.
 
-    The pitch is the angle between the roots of neighbouring bristles. At a smaller one than the
-    least pitch, neighbours touch each other. The simulated row has the pitch that ``row`` requests.
+    The pitch is the angle between the roots of neighbouring bristles. At pitches below the least
+    pitch, neighbours touch each other. The simulated row has the pitch that ``row`` requests.
 
     Args:
         tool: the tool.
         row: number of bristles, pitch, and friction and restitution between wires.
         settings: settings of the simulations.
-        with_reference: whether the row is also simulated by the reference.
+        with_reference: whether the independent reference solver also computes the row.
 
     Raises:
         ValueError: if the hub is at rest, the wires are flexible, neighbours touch at the start, or
@@ -316,7 +316,7 @@ def _touches(run: Trajectory) -> list[float]:
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Compare the strike of the row's last bristle with that of a lone bristle.
 
-    The values of the lone bristle count as theory. The number of touches of the last bristle's wire
+    The values of the lone bristle count as theory. How often a neighbour touches the last bristle
     is also compared.
     """
     tool = row.tool

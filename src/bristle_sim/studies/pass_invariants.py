@@ -24,15 +24,15 @@ Points = NDArray[np.complex128]
 X_Y = np.array([1.0, 1j])
 """Points (x, y) in the last axis of an array times X_Y are complex numbers x + i y."""
 
-# Tolerance of an invariant, divided by the requested accuracy. The square of an angular velocity
-# has twice its relative error, and the errors of two contacts and two flights add up.
+# Tolerance of an invariant, divided by the requested accuracy. The relative error of an angular
+# velocity doubles in its square, and the errors of two contacts and two flights add up.
 MAGNIFIED = 10.0
 # Smallest relative tolerance: energies are sums over several hundred intervals, each with an error of
 # 1e-13.
 LEAST_TOLERANCE = 1e-9
 # Smallest relative tolerance with contacts that are resolved in time. Rounding error of the
-# penetration keeps their duration above about 1e-6 of the motion's time scale. Their difference from
-# the rigid-body limit is of the same size.
+# penetration keeps the duration of a contact above about 1e-6 of the motion's time scale. The
+# relative difference from the rigid-body limit is of the same size.
 LEAST_COMPLIANT_TOLERANCE = 1e-5
 # Largest time between contacts with bar and workpart that count as simultaneous, divided by the
 # duration of the run. The law of a single impact is not tested on simultaneous contacts.
@@ -101,16 +101,16 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     """Return the largest energy imbalance of a flight or an impact, J.
 
     The balance is that of Jacobi's integral, the energy in the frame that rotates with the hub.
-    This is the sum of kinetic, belt, centrifugal and gravity energy. In flight its loss per unit
-    time is
+    It is the sum of kinetic, belt, centrifugal and gravity energy. In flight this sum decreases per
+    unit time by
 
         c alpha'^2 - omega m g x,
 
     where c is the belt's damping coefficient, alpha the bristle's angle relative to the hub, omega
     the hub speed, m g the bristle's weight, and x the horizontal coordinate of its centre. An
     impact changes the integral by the work of the impulse minus omega times the impulse's moment
-    about the hub's centre. Sustained contacts are left out, since the obstacle's shape prescribes
-    their motion.
+    about the hub's centre. Sustained contacts are left out, since in them the obstacle's shape
+    prescribes the bristle's motion.
 
     Returns:
         The largest imbalance, J.

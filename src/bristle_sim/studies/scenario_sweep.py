@@ -58,9 +58,9 @@ class Series:
 
     @property
     def display(self) -> tuple[str, float]:
-        """Readable unit, and the factor from it to the unit of the values.
+        """Unit in which the values are shown, and its size in the unit of ``values``.
 
-        The unit is empty for pure numbers.
+        The shown unit is empty for pure numbers.
         """
         if self.is_key:
             unit, size = display_unit(self.label, self.unit)
@@ -232,7 +232,7 @@ def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float
 
 
 FIRST = ("tip_speed_at_contact", "normal_final_impulse", "lag_deg_at_contact")
-"""Quantities that an answer describes first."""
+"""Quantities that the answer of a sweep describes first, in this order."""
 
 NAMED = 3  # largest number of quantities in an answer, and of reasons for missing results
 

@@ -39,9 +39,9 @@ def state_at_strike(
 ) -> dict[str, float | None]:
     """Return lag, relative angular velocity and tip speed at a strike, by name.
 
-    ``STATE`` lists the names and units. The values are None if there is no contact. The links of a
-    wire that bends vibrate; its lag and angular velocity are therefore those of the straight line
-    from root to tip.
+    ``STATE`` lists the names and units. The lag is the angle by which the bristle is behind the
+    radial direction. The values are None if there is no contact. The links of a flexible wire
+    vibrate; lag and angular velocity are then those of the straight line from root to tip.
     """
     if contact is None:
         return dict.fromkeys(STATE)
@@ -118,8 +118,8 @@ friction changes the impulse by about 10 %."""
 def impulse_caution(contact: ContactRecord, bends_at_once: bool = False) -> str:
     """Return a warning clause if the impulse of a strike is unreliable; empty otherwise.
 
-    The clause names a remedy. ``bends_at_once`` states whether a wire of several links strikes in
-    an instant. In this model the impulse goes to zero as the number of links grows.
+    The clause names a remedy. ``bends_at_once`` states whether the strike of a flexible wire is
+    modelled as instantaneous. In this model the impulse goes to zero as the number of links grows.
     """
     if bends_at_once:
         return (

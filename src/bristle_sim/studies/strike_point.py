@@ -92,8 +92,8 @@ def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
     """Simulate a pass with the given bar, and return the lag and the relative speed at its strike.
 
-    They are None if the bristle does not strike after leaving the bar. ``no_strike`` is then the
-    reason.
+    Lag and speed are None if the bristle does not strike after leaving the bar; the entry
+    ``no_strike`` then has the reason.
     """
     direction = math.degrees(math.atan2(bar.horizontal, bar.vertical))
     row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": direction}

@@ -1,10 +1,10 @@
 """From crater to surface: the roughness, the coverage and the area per hour that a tool makes,
 computed crater by crater.
 
-The first crater is the volume that the tip sweeps. Its depth follows from the energy of the
-contact, for a surface inclined to the tip's path (``crater_study``). Alternatively the first crater
-is a paraboloid of given size. The tool's strikes are placed on a part of its track, and ``ground``
-cuts their craters.
+The first crater, which is cut into a plane, is the volume that the tip sweeps. The crater's depth
+follows from the energy of the contact, for a surface inclined to the tip's path (``crater_study``).
+Alternatively the first crater is a paraboloid of given size. The tool's strikes are placed on a
+part of its track, and ``ground`` cuts the crater of each strike.
 """
 
 import io
@@ -36,7 +36,7 @@ MEASURED_RZ = (62e-6, 83e-6)  # mean Rz on corroded API 5L, m (Stango and Khulla
 # Length of the tip's path and width of the crater, m (Zhang 2020, figs. 4.3, 4.6)
 MEASURED_LENGTH = 3.25e-4
 MEASURED_WIDTH = 6.51e-4
-LONG_CUTOFF = 2.5e-3  # cut-off wavelength, m; ISO 21920-3 has it as the next above 0.8 mm
+LONG_CUTOFF = 2.5e-3  # cut-off wavelength, m; in ISO 21920-3 the next larger one after 0.8 mm
 
 UNITS = {
     "rz": ("Rz along the slide", "m"),
@@ -185,9 +185,9 @@ def first_crater(
 ) -> CraterBody:
     """Return the shape of the first crater, which is cut into a plane.
 
-    It is the volume that the tip sweeps. If its length, width or depth is given, the shape is a
-    paraboloid instead; the other sizes are those of the swept volume. The arguments are those of
-    :func:`blasted_surface`.
+    The crater is the volume that the tip sweeps. If ``blasting`` gives its length, width or depth,
+    the shape is a paraboloid instead; sizes that are not given are those of the swept volume. The
+    arguments are those of :func:`blasted_surface`.
 
     Raises:
         ValueError: if the tool has no strike that cuts.

@@ -1,8 +1,8 @@
 """Evaluate a function of keyword arguments over named axes, on one core, on many, or on a cluster.
 
 The points are evaluated in the calling process, in joblib's processes (loky), in threads or on a
-Dask cluster. The calling process alone writes finished points to a store, as data and never as
-pickles. xarray labels and reads them.
+Dask cluster. The calling process alone writes the results of finished points to a store, as data
+and never as pickles. xarray labels and reads these results.
 """
 
 import inspect
@@ -28,7 +28,9 @@ from bristle_sim.studies.sweep_store import BLOCK, Results, check_name
 from bristle_sim.studies.sweep_workers import Outcomes, client_of, evaluated
 from bristle_sim.units import shown
 
-WRITTEN_EVERY = 1.0  # Time between two writes of finished points, s; a killed program loses the work since the last
+# Time between two writes of finished points, s. A killed program loses the points finished since
+# the last write.
+WRITTEN_EVERY = 1.0
 # Time after which a sweep shows its progress, s; if standard error is no terminal, also the time
 # between two lines
 PATIENCE = 5.0
@@ -71,10 +73,10 @@ def sweep(
             after five seconds.
 
     Returns:
-        float64 results on the grid of points, NaN where the function raised, and ``failure``, the
-        reason in words. The attributes of the Dataset name the function, its bound values and the
-        software. The results do not depend on the number of workers or the order in which points
-        finish.
+        The results on the grid of points, as float64, and the variable ``failure``. Where the
+        function raised an error, the results are NaN and ``failure`` has the reason in words. The
+        attributes of the Dataset name the function, its bound values and the software. The results
+        do not depend on the number of workers or the order in which points finish.
 
     Raises:
         ValueError: if the space is empty or holds anything but numbers and words; if the function
@@ -186,10 +188,10 @@ def _points(grid: xr.Dataset, numbers: NDArray[np.intp]) -> Iterator[Point]:
 
 
 def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | None) -> None:
-    """Collect the outcomes of points as they arrive, and write them to the results periodically.
+    """Collect the outcomes of points as they arrive, and write them to ``results`` periodically.
 
-    The progress is shown. If the evaluation ends with an error, the outcomes that arrived before
-    the error are also written.
+    ``total`` is the number of points; ``progress`` is the argument of :func:`sweep`. If the
+    evaluation ends with an error, the outcomes that arrived before the error are also written.
     """
     finished = list[tuple[Point, Outcome]]()
     written = time.perf_counter()

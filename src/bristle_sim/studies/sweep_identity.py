@@ -3,8 +3,8 @@ the user's version.
 
 For a function in a package the source text is that of all modules of the package; for a function in
 a script or a notebook's cell it is the script or the cell alone. The digest covers neither the code
-of other packages nor global variables that a program sets as it runs. joblib's hash collects the
-bound values.
+of other packages nor global variables that a program sets as it runs. joblib hashes the bound
+values.
 """
 
 import functools
@@ -68,8 +68,9 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
     def reducer_override(self, value: Any) -> Any:
         """Return the substitute that pickle writes for a function, class, frozen set or cache.
 
-        The substitute has all data that the hash must cover. Pickle receives them as the state of
-        an empty tuple. State may refer back to the value itself, as a recursive function does.
+        The substitute is an empty tuple whose state holds all data that the hash must cover. Unlike
+        the items of a tuple, a state may refer back to the value itself, as for a recursive
+        function.
         """
         parts: Any
         if isinstance(value, FunctionType):

@@ -22,7 +22,7 @@ FAILURE = "failure"  # Name of the variable with the reason why a point lacks re
 # First words of the reason for failure of a point whose worker died. The next call with the same
 # store computes such points again.
 LOST = "lost with its worker"
-# Environment variables of the libraries that start threads of their own
+# Environment variables that limit the number of threads which numerical libraries start
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 # Time after which a worker returns its finished points, s. If the worker is killed, points that it
 # has not returned are lost.
@@ -78,9 +78,10 @@ def _unpickled(function: bytes) -> Any:
 
 
 def outcome_of(function: Function, arguments: dict[str, Any]) -> Outcome:
-    """Call a function, and return its results, or the reason why it raised an error.
+    """Call a function, and return its results and the reason why results are missing.
 
-    The reason is the message of a ValueError. For other errors the type stands before the message.
+    If the function raises an error, there are no results. The reason is then the error's message,
+    preceded by the error's type unless it is a ValueError.
     """
     try:
         result = function(**arguments)

@@ -1,10 +1,10 @@
 """Results of a sweep on the grid of its points, kept as zarr arrays in memory or in a folder.
 
 Points are written to a folder as they are finished. The folder is checked before more points are
-computed, and read by xarray. In zarr a chunk of an array is a file of its own with a checksum,
-which is replaced as a whole. A crash therefore leaves the other chunks intact, and xarray reads
-only the chunks in use. Metadata and coordinates can be restored, so that no point is lost if they
-are damaged.
+computed, and read by xarray. zarr divides an array into chunks. Each chunk is a file with a
+checksum, and is replaced as a whole. A crash therefore leaves the other chunks intact, and xarray
+reads only the chunks in use. Damaged metadata and coordinates can be restored, so that no point is
+lost.
 """
 
 import json
@@ -183,8 +183,8 @@ class Results:
     def _contents(self) -> dict[str, Any]:
         """Return the contents of the metadata and coordinate files, by file name.
 
-        The results themselves are not included. The metadata of the folder and of the reasons both
-        have the shapes of all results, with a checksum.
+        The results themselves are not included. The shapes of all results, with a checksum, are in
+        the metadata of the folder and also in those of the array of reasons.
         """
         contents = dict[str, Any]()
         memory = zarr.storage.MemoryStore(contents)

@@ -102,9 +102,9 @@ def client_of(workers: Any) -> Any:
 class _Batches:
     """Batches of points that are sent to the workers.
 
-    A batch is in progress, or suspected of having killed its worker. Batches are sent one at a time
-    until a point has returned results. The first results fix the shapes, which therefore do not
-    depend on which worker finishes first.
+    If a batch is lost with its worker, each of its points is suspected of having killed the worker.
+    Batches are sent one at a time until a point has returned results. These first results fix the
+    shapes of all results, which therefore do not depend on which worker finishes first.
     """
 
     def __init__(self, executor: Any, function: Function | bytes, points: Iterator[Point]) -> None:
@@ -187,10 +187,10 @@ class _Batches:
         return self.executor.submit(*call, **self.options)
 
     def _lost(self, batch: list[Point], error: Exception) -> Iterator[tuple[Point, Outcome]]:
-        """Handle a batch whose worker was lost.
+        """Queue the points of a lost batch again, or yield a point that has lost too many workers.
 
-        Each point of the batch is tried again in a batch of its own. If a batch of one point has
-        lost ATTEMPTS workers, the point is given up: it is yielded with the reason. Before that an
+        Each point of the batch is tried again in a batch of its own. If a point, alone in its
+        batch, has lost ATTEMPTS workers, it is given up and yielded with the reason. Before that an
         empty batch tests whether any worker is left.
 
         Raises:

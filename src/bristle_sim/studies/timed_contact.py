@@ -85,9 +85,10 @@ class TimedContact:
 
     @cached_property
     def resultant(self) -> PPoly:
-        """Magnitude of the resultant force as a continuous function of time, N.
+        """Magnitude of the resultant force (N) as a piecewise cubic function of time since touch (s).
 
-        Its slope is the normal velocity times a stiffness, which is constant in each smooth part.
+        The slope of the force at a sample is a stiffness times the speed of penetration. The
+        stiffness is constant in each smooth part of the time history.
         """
         depth = self.history.penetration
         slopes = np.zeros_like(self.time)
@@ -269,13 +270,14 @@ def _adjusted(
     wanted: Array,
     tolerance: float,
 ) -> Result:
-    """Adjust the arguments of a simulation until it attains target values.
+    """Adjust arguments of a simulation until it attains target values, and return its result.
 
     The method is Broyden's, applied to the logarithms of arguments and values.
 
     Args:
         struck: simulation; it returns its result, and the values to compare with the target values.
-        given: first arguments of the simulation.
+        given: arguments with which the adjustment starts. If there are n target values, the first n
+            arguments are adjusted.
         wanted: target values.
         tolerance: largest accepted relative deviation from the target values.
 

@@ -28,8 +28,8 @@ from bristle_sim.studies.pass_invariants import (
 from bristle_sim.trajectory import ContactRecord, Interpolation, Trajectory
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
-"""Nodes and weights of a Gauss-Legendre rule on (-1, 1). Over an interval of length h with |p| h <= 1
-its error for a cubic times exp(p t) is rounding error."""
+"""Nodes and weights of a Gauss-Legendre rule on (-1, 1). It integrates a cubic in t times exp(p t)
+to rounding error over an interval of length h with |p| h <= 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +58,10 @@ def load_cell_response(
     """Return the normal force that a load cell shows at given times, N.
 
     The forces repeat periodically. h(t) is the load cell's response to a unit impulse, and p the
-    pole of its filter. An impact of impulse J contributes J h(tau + k T) for k = 0, 1, ..., where
-    tau is the time since its latest repetition and T the period. The sum over k is a geometric
-    series in exp(p T). A sustained force is divided into intervals that are shorter than T/2 and
-    1/|p|. In each interval the force is integrated with the weight exp(p t).
+    pole of its filter. An impact of impulse J contributes J h(tau + k T) for k = 0, 1, ..., where T
+    is the period and tau the time since the impact's latest repetition. The sum over k is a
+    geometric series in exp(p T). A sustained force is divided into intervals that are shorter than
+    T/2 and 1/|p|. In each interval the force is integrated with the weight exp(p t).
 
     Args:
         forces: forces within one period.

@@ -1,5 +1,5 @@
-"""The whole pass compared with the dissertation's chain of formulas: geometry of the cue, cue time,
-highest speed, oblique impact.
+"""The whole pass, the trip of one bristle past bar and workpart, compared with the dissertation's
+chain of formulas: geometry of the cue, cue time, highest speed, oblique impact.
 
 In the formulas the bar releases the bristle at the retraction that the bar's position permits. The
 bristle then swings for a quarter period on its undamped belt, and strikes radially at its highest
@@ -149,8 +149,8 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, float]:
     """Return the accepted relative differences from the reference solution, by name.
 
-    They follow from the errors of both motions. ``referred`` are the quantities of the reference
-    solution; those that are None have no tolerance.
+    The tolerances follow from the errors of both motions. ``referred`` are the quantities of the
+    reference solution; a quantity that is None has no tolerance.
     """
     within = {}
     for name, value in referred.items():
@@ -272,7 +272,7 @@ def _formulas(tool: Tool) -> Values:
 def run_fields(run: Trajectory) -> dict[str, Any]:
     """Return the fields with which a report describes a run.
 
-    They are its events, its cost, and, if it has not reached the requested accuracy, the reason.
+    They are the run's events and cost, and a sentence if it misses the requested accuracy.
     """
     return {
         "not_reached": run.accuracy_not_reached,
@@ -298,8 +298,8 @@ def record_fields(struck: ChainStrike, **events: float) -> dict[str, Any]:
 def stop_fields(run: Trajectory) -> dict[str, Any]:
     """Return the fields of the JSON output on how a run ended.
 
-    They are the reason, the time (s), whether the run is complete, and advice on how to continue
-    it.
+    They are the reason of the end, its time (s), whether the run is complete, and advice on how to
+    continue the run.
     """
     return {
         "reason": str(run.stop_reason),

@@ -30,9 +30,9 @@ from bristle_sim.trajectory import Trajectory
 # Largest number of simulated revolutions. In flight the amplitude of the bristle decays by the
 # factor exp(-2 pi zeta) in a period, with the damping ratio zeta of the belt.
 MOST_TURNS = 24
-# Largest change of the state in a revolution that counts as repeating the preceding one, rad. The
-# state is the bristle's angle relative to the hub, and its angular velocity divided by its natural
-# angular frequency.
+# Largest change of the bristle's state over a revolution, rad, at which the revolution counts as
+# repeating the preceding one. The state is the bristle's angle relative to the hub, and its angular
+# velocity divided by its natural angular frequency.
 REPEATED = 1e-9
 # Error of a revolution, divided by the requested accuracy. A revolution has about ten flights and
 # contacts, each with an error of ten times the accuracy.
@@ -43,9 +43,8 @@ LEAST_TOLERANCE = 1e-6
 SAMPLES_PER_PERIOD = (
     400  # number of samples in a period of the bristle on its belt, for the splines
 )
-INSTANTS = (
-    2000  # number of instants between two bristles at which the load cell's force is computed
-)
+# Number of instants between two bristles' strikes at which the load cell's force is computed
+INSTANTS = 2000
 BAND = (5.0, 95.0)  # percentiles over time of the load cell's force that are reported
 
 UNITS = {
@@ -200,7 +199,7 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
 def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
     """Return time and normal force of a load cell under the workpart, as columns by name.
 
-    They cover the time between the strikes of two consecutive bristles.
+    The columns cover the time between the strikes of two consecutive bristles.
 
     Raises:
         ValueError: if the bristle completes no revolution.
