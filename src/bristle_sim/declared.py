@@ -209,7 +209,7 @@ class Range(Declaration):
             typed: text from which the value was read; the message then shows this text.
 
         Raises:
-            ValueError: if it is not a number in the range; the message names key, value and range.
+            ValueError: for anything but a number in the range; the message names key and range.
         """
         try:
             real = not isinstance(value, bool) and isinstance(value, Real)

@@ -82,8 +82,8 @@ def scaled(number: float, size: float) -> float:
 def exact_text(value: float, key: str, unit: str) -> str:
     """Return a short text with a unit that is read back as exactly this value.
 
-    Examples are ``27 mm`` and ``261.8 rad/s``. The text is in the customary unit. It is in the
-    declared unit if that text is shorter, or if no text in the customary unit is exact.
+    Examples are ``27 mm`` and ``261.8 rad/s``. The text is in the customary unit. The declared unit
+    is used if the text is then shorter, or if no text in the customary unit is exact.
 
     Args:
         value: value in the declared unit.

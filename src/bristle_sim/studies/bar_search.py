@@ -100,11 +100,12 @@ def bar_of(tool: Tool) -> Bar:
 
 
 def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
-    """Return a function that computes strikes, and the step of the first survey of directions.
+    """Return a function that computes strikes for directions of the bar, and the step of a search.
 
     Returns:
         The function: it takes directions of the bar (rad) and returns the measures of the strikes.
-        The step between neighbouring directions in the survey, rad.
+        The step between neighbouring directions in a first survey, rad. It is larger if the strikes
+            are simulated one by one.
     """
     bar_of(tool)
 
@@ -158,7 +159,7 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
 
 
 def _place(strikes: Strikes, direction: float) -> Place:
-    """Return a direction of the bar (rad) with the measures of its strike.
+    """Compute the strike with the bar at a given direction (rad), and return both.
 
     The measures are NaN if the bristle does not strike after leaving the bar.
     """

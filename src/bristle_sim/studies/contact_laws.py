@@ -151,8 +151,8 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """Return the contact point's velocities against the normal impulse, for a contact resolved in
-    time.
+    """Return the contact point's velocities as functions of the normal impulse, for a contact
+    resolved in time.
 
     The normal impulse is the time integral of the recorded normal force, interpolated by cubic
     splines in each phase.

@@ -172,7 +172,7 @@ def _referred(
     options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
 
     def strikes(directions: Array) -> dict[str, Array]:
-        """Return the measures of the reference's strikes for directions of the bar (rad)."""
+        """Return measures of strikes by the reference solver, for directions of the bar (rad)."""
         tools = [bar_search.placed(tool, float(each)) for each in directions]
         found = [strike_measures(each, simulate_reference(each, **options)) for each in tools]
         names = ("lag_deg_at_contact", "relative_speed_at_contact", "tip_speed_at_contact")

@@ -6,9 +6,9 @@ undamped in the dissertation, with the belt's damping here. The bristle is cued 
 highest speed. The cue time is the time from the release to the highest speed; it determines the
 bar's position (eq. 2.1).
 
-The formulas neglect the centrifugal stiffening, which the simulated release includes. Both neglect
-the impact of the first touch of the bar, and the swing of the bristle after the last touch. A
-simulated whole pass includes these effects.
+The formulas neglect the centrifugal stiffening, which the simulated release includes. Formulas and
+release neglect the impact of the first touch of the bar, and the swing of the bristle after the
+last touch of the bar. A simulated whole pass includes these effects.
 """
 
 from __future__ import annotations
@@ -128,8 +128,8 @@ def cue_timing(
     bar: Bar | None = None,
     with_reference: bool = True,
 ) -> Report:
-    """Simulate a release from rest, and compare the bar position that follows from it with the cue
-    formulas.
+    """Simulate the bristle's release from rest relative to the hub, and compare the bar position
+    that follows with that of the cue formulas.
 
     The comparison is made for up to four belt stiffnesses: that of the tool; the number 0.00041
     printed in the dissertation, in N m per radian; the same number in N m per degree; and the
@@ -138,7 +138,7 @@ def cue_timing(
 
     Args:
         tool: the tool.
-        retraction: retraction at the release, rad.
+        retraction: angle by which the bristle is behind the radial direction at the release, rad.
         settings: accuracy and limits of the simulations.
         bar: bar of the whole passes; the tool's bar by default.
         with_reference: whether to also solve the release with the independent reference solver.

@@ -214,7 +214,7 @@ class Search:
         return found[:, self.costs(found)[0].argmin()], True
 
     def nearest(self, weights: Array, missed: Number = 0.0, starts: Array | None = None) -> Array:
-        """Return the point with the least sum of squares of the weighted deviations.
+        """Return the point of the least sum of squares of weighted deviations from the conditions.
 
         Args:
             weights: weights of the conditions.
@@ -266,7 +266,7 @@ class Search:
         return np.array(curve[::-1]).T
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
-        """Return the largest magnitude of the weighted deviations at a point."""
+        """Return the largest magnitude of weighted deviations from the conditions at a point."""
         return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
 
     def _closest(self, start: Array, function: Function) -> Array:

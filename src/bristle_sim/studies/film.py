@@ -197,7 +197,7 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
         keys: values of the changed parameters, by name.
 
     Raises:
-        ValueError: if the pass has no strike, or the solver gives it up.
+        ValueError: if the pass has no strike, or the solver fails.
     """
     with warnings.catch_warnings(
         action="ignore", category=UnusualValueWarning

@@ -223,7 +223,7 @@ def _answer(
 
 
 def second_touch(wire: ChainStrike) -> float | None:
-    """Return the time (s) between the first two touches of the wire's end; None for one touch."""
+    """Return the time (s) between the first two touches of the wire's end; None for only one."""
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
     return float(wire.time[np.argmax(deeper)]) if deeper.any() else None

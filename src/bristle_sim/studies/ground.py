@@ -121,7 +121,8 @@ class Ground:
         self.heights[place] = cut
 
     def _by_volume(self, x: float, y: float, depth: float) -> tuple[Any, Array, Array]:
-        """Find the height at which the crater shape removes the volume of a crater on a plane.
+        """Find the height at which the crater shape removes as much as a crater of ``depth`` (m)
+        on a plane.
 
         The search is limited to a window of cells. The window is enlarged until the crater shape at
         its edge is above the highest cell.
@@ -129,7 +130,7 @@ class Ground:
         Returns:
             Indices of the window's cells.
             Heights of these cells before the strike, m.
-            Heights of the crater shape there, m.
+            Heights of the crater shape over these cells, m.
         """
         volume = float(self.body.volume(depth)) / (self.cell * self.step)
         height = MARGIN * max(self._needed, depth)
@@ -210,8 +211,8 @@ class Blasted(NamedTuple):
 
 
 def whole_planes(blasting: Blasting) -> Blasting:
-    """Return the blasting parameters with the ground's width rounded to a whole number of bristle
-    planes.
+    """Return the blasting parameters with the ground's width rounded to a multiple of the distance
+    between two planes of bristles.
 
     Parameters with randomly placed strikes are returned unchanged, since such strikes have no
     planes.

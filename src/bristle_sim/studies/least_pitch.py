@@ -2,10 +2,10 @@
 other.
 
 The pitch is the angle beta between neighbouring bristles on the hub. The least pitch follows from
-the motion A(t) of a single bristle. At constant hub speed omega a bristle that touches no other
-bristle repeats the motion of the preceding one after the time beta/omega. Relative to the hub its
-motion is therefore A(t - beta/omega). Two wires touch if the distance between their centre lines is
-the wire's diameter.
+the motion A(t) of a single bristle relative to the hub. At constant hub speed omega a bristle that
+touches no other bristle repeats the motion of the preceding one after the time beta/omega. The
+motion of this follower is therefore A(t - beta/omega). Two wires touch if the distance between
+their centre lines is the wire's diameter.
 """
 
 import math
@@ -147,8 +147,8 @@ def least_pitch(
 
     Args:
         lone: motion of the lone bristle, which starts at rest relative to the hub.
-        wire_diameter: diameter of the wires, m. They touch where the distance between their centre
-            lines is not larger.
+        wire_diameter: diameter of the wires, m. The wires touch if the distance between their
+            centre lines is no larger.
         until: instant up to which touches count, s.
         of_follower: whether ``until`` is measured in the pass of the following bristle, which is
             delayed by the pitch, instead of the pass of the leading bristle.

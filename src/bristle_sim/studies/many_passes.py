@@ -45,8 +45,8 @@ SIZES = {
     "tip_speed_at_contact": 0.0,
     "normal_final_impulse": 0.0,
 }
-"""Quantities in which simulations and vectorised passes are compared. A difference is divided by the
-quantity's magnitude, or by the value given here (in the quantity's unit) if that is larger."""
+"""Quantities in which simulations and vectorised passes are compared. A difference is divided by
+the quantity's magnitude, or by the value given here (in the quantity's unit) if that is larger."""
 
 UNSTRUCK = {StopReason.JAM: OUTCOMES[JAMS], StopReason.RETRACTION_LIMIT: OUTCOMES[REFUSED]}
 """Outcome in words of a simulation that stops before a strike, by the reason of the stop."""
@@ -160,7 +160,8 @@ def checked_by_scene(
     compared. Differences of the last four are relative. A point is left out if the vectorised
     computation rejects its tool.
 
-    Each coordinate of a point is a position within a range, from 0 (lower end) to 1 (upper end).
+    A point is a set of fractions, from 0 (lower end) to 1 (upper end), of the ranges in which the
+    parameters vary.
 
     Args:
         tool: the tool that gives the values of the parameters that are not varied.

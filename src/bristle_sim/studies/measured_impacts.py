@@ -191,8 +191,9 @@ def read_ellipse(path: str) -> Ellipse:
 
         h = sqrt(a^2 sin^2 phi + b^2 cos^2 phi)
 
-    below the body's centre, and at x = (a^2 - b^2) sin phi cos phi/h from it. Its velocity is v_n =
-    v_y - x w and v_t = v_x - h w, with the angular velocity w.
+    below the body's centre, and at the horizontal distance x = (a^2 - b^2) sin phi cos phi/h from
+    the centre. The velocity of the contact point is v_n = v_y - x w and v_t = v_x - h w, with the
+    angular velocity w.
 
     Raises:
         ValueError: if the file does not exist or has fewer than four impacts of finite numbers.

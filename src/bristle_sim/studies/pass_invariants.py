@@ -134,7 +134,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     slope -= omega * weight * forward
 
     def lost(at: Array) -> Array:
-        """Return the energy lost between each pair of neighbouring samples, J.
+        """Return the energy lost between neighbouring samples of the indices ``at``, J.
 
         The power is integrated over time by the trapezoidal rule with end corrections, which is of
         fourth order.
@@ -254,7 +254,7 @@ def in_plane(normal: Any, pair: Any) -> Any:
 
 
 def surface_point(tool: Tool, obstacle: str, place: Any) -> tuple[Any, Any]:
-    """Return the outward normal of an obstacle, and its contact point with the wire.
+    """Return the outward normal of an obstacle, and the point at which the wire touches it.
 
     ``place`` is the point of the wire's centre line at the contact. Points and the unit normal are
     complex numbers x + i y. Points are in m, from the hub's centre.

@@ -142,7 +142,7 @@ class Results:
         return found
 
     def _add(self, new: Shapes) -> None:
-        """Add arrays for new results, which are NaN at all points that were computed before."""
+        """Add arrays for new results; they are NaN at all points that were computed before."""
         for name in new:
             if name in {*self.grid.coords, *self.grid.sizes}:
                 raise ValueError(

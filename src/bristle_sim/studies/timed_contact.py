@@ -85,7 +85,7 @@ class TimedContact:
 
     @cached_property
     def resultant(self) -> PPoly:
-        """Magnitude of the resultant force (N) as a piecewise cubic function of time since touch (s).
+        """Magnitude of the resultant force (N), piecewise cubic in the time since the touch (s).
 
         The slope of the force at a sample is a stiffness times the speed of penetration. The
         stiffness is constant in each smooth part of the time history.

@@ -263,7 +263,7 @@ def sobol_study(
     def indices(chosen: slice) -> Array:
         """Return first-order and total Sobol indices, shape (2, outputs, inputs).
 
-        ``chosen`` selects the points of each sample from which they are estimated.
+        ``chosen`` selects the points of each sample from which the indices are estimated.
         """
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
