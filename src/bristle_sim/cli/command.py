@@ -207,6 +207,8 @@ def _carry_out(
 ) -> int:
     """Run a scenario, write the requested files, print the answer, and return the exit status.
 
+    ``targets`` are the files by option; the report page states the line ``command``.
+
     Raises:
         ValueError: for values that contradict each other or are too extreme.
         OSError: if a file cannot be written.
@@ -264,7 +266,7 @@ def _contents(
     """Return the contents of the output files by option, in the order in which they are written.
 
     Figure, film, tool file and report page are functions that write the file. CSV and JSON are
-    texts. The film precedes the page, which shows it.
+    texts. The film is written before the page, which includes it.
     """
 
     def film(target: Path) -> None:

@@ -200,7 +200,10 @@ def _workers(text: str) -> int:
 
 
 def _positive(key: str, unit: str, most: float) -> Callable[[str], float]:
-    """Return the function that reads a number above 0 and up to ``most``, with or without a unit."""
+    """Return the function that reads a number above 0 and up to ``most``, with or without a unit.
+
+    ``key`` is the name of the option, and ``unit`` that of a number without a unit.
+    """
     return value_of(Range(key, unit, 0.0, most, lowest_allowed=False).parse)
 
 

@@ -289,7 +289,7 @@ def _energy_sum(plies: int) -> float:
 
 
 def _friction(depth: float, impact_angle: float) -> float:
-    """Return the friction coefficient at which the crater has a given depth (m), or NaN.
+    """Return the friction coefficient for a crater depth (m) and an impact angle (rad), or NaN.
 
     The coefficient is at least the tangent of the impact angle. The result is NaN if no coefficient
     gives this depth.
@@ -303,7 +303,7 @@ def _friction(depth: float, impact_angle: float) -> float:
 def _friction_of_printed_sum(depth: float, impact_angle: float) -> float:
     """Return the friction coefficient at which the printed sum (4.57) gives a crater depth (m).
 
-    The sum grows with friction, so there is only one such coefficient.
+    The impact angle is in rad. The sum grows with friction, so there is only one such coefficient.
     """
 
     def excess(logarithm: float) -> float:

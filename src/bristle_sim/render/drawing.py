@@ -208,7 +208,8 @@ class WireDrawing:
         """Add the drawing to axes whose limits are final.
 
         The thickness of the wire is drawn to scale, plus 1/144 inch so that a thin wire is visible.
-        ``radial`` adds the radial line through the root.
+        ``color`` and ``alpha`` are the colour and the opacity of the wire. ``radial`` adds the
+        radial line through the root.
         """
         thickness = 0.5 + points_per_unit(axes) * tool.bristle.wire_diameter * MILLIMETRES
         ends: Look = {"solid_capstyle": "butt", "solid_joinstyle": "miter"}

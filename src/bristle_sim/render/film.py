@@ -268,7 +268,7 @@ class Film(ABC):
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
     """Return one of matplotlib's fonts, of a given size in px, for drawing with the library Pillow.
 
-    Pillow draws text much faster than matplotlib does.
+    Pillow draws text much faster than matplotlib does. ``name`` is that of the font's file.
     """
     return ImageFont.truetype(
         str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size

@@ -156,12 +156,12 @@ class ContactMotion:
         return float(np.hypot(*self.vectors[name]).max())
 
     def at(self, time: float, name: str) -> Array:
-        """Return the normal and tangential component of a vector at a time, s."""
+        """Return the normal and tangential component of the vector ``name`` at a time, s."""
         return np.array([np.interp(time, self.time, part) for part in self.vectors[name]])
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
-    """Return motion and forces over time of a recorded contact.
+    """Return the motion and the forces during a recorded contact, over time.
 
     A tip that stays on the surface is at rest after the contact.
 

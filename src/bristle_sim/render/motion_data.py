@@ -147,7 +147,8 @@ def _errors(run: Trajectory, motion: Interpolation, intervals: Array) -> Array:
     error.
 
     The errors of all quantities are evaluated at one time within the interval, and the largest is
-    returned. ``intervals`` is as returned by :func:`_intervals`.
+    returned. An error is the difference from ``motion``, the interpolation that the run itself
+    provides. ``intervals`` are states as returned by :func:`_intervals`.
     """
     (p, v), (q, w) = intervals
     s = TRIED

@@ -181,6 +181,13 @@ def _draw_tool(
 ) -> list[Artist]:
     """Draw the tool, the tip's path, and the wire at some of the marked events.
 
+    Args:
+        axes: axes of the drawing.
+        course: the part of the motion that the figure shows.
+        tool: the tool.
+        run: the whole motion.
+        marks: the marked events.
+
     Returns:
         The lines of the path and a dot of a root, for the legend.
     """

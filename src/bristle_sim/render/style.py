@@ -153,9 +153,9 @@ class Scale(NamedTuple):
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """Return the scale whose unit prefix makes a number lie between 1 and 1000.
+    """Return the scale whose unit prefix makes the number ``largest`` lie between 1 and 1000.
 
-    For example, 1.2e-3 with the unit N·s becomes 1.2 mN·s.
+    For example, 1.2e-3 with the unit N·s is shown as 1.2 mN·s.
     """
     size = abs(largest)
     if not 0.0 < size < math.inf:

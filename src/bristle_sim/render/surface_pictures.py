@@ -78,7 +78,7 @@ def _colours(made: BlastedSurface) -> Normalize:
 
 
 def _lit(made: BlastedSurface, heights: Array, norm: Normalize, every: int = 1) -> Array:
-    """Return heights (m) as a picture, coloured by height and lit from the left.
+    """Return heights (m) as a picture, lit from the left, with the colour scale ``norm``.
 
     Along the direction of sliding the picture has only every ``every``-th cell.
     """

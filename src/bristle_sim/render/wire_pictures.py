@@ -52,9 +52,13 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     """Draw the contact force of a bending wire's strike, and compare bending wires with a rigid
     one.
 
-    Further panels show the ratio of a bending wire to the rigid one for impulse, peak force, time
-    in contact and crater depth. They are drawn over the number of links that model the wire, and
-    over the contact duration of the rigid wire.
+    Further panels show impulse, peak force, time in contact and crater depth of a bending wire,
+    each divided by that of the rigid wire. These ratios are drawn over the number of links that
+    model the wire, and over the contact duration of the rigid wire.
+
+    Args:
+        struck: simulated strikes of the bending and of the rigid wire.
+        study: the ratios.
     """
     figure = blank_figure(16.0, 12.5)
     panels = figure.subplot_mosaic([["force", "links"], ["duration", "duration"]])

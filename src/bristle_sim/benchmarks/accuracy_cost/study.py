@@ -186,7 +186,7 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
 def _offered(
     name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]
 ) -> list[Attempt]:
-    """Return a package's attempts at a case.
+    """Return a package's attempts at a case, which the function ``offer`` makes.
 
     Another package may be installed and still fail at its import or when it builds its model. The
     list is then empty, and ``missing`` receives the reason under the package's name.

@@ -120,8 +120,9 @@ def agrees_with_reference(
     """Check that a simulation agrees with the reference solution.
 
     The stop reasons must be equal. The last states and the first strikes must agree within
-    ``limit``, which is also the accuracy requested of the simulation. A run ends after the event
-    ``stop_after``, or when the hub has turned by ``hub_turn``, rad.
+    ``limit``, which is also the accuracy requested of the simulation. Both runs begin with the
+    state ``start``. They end after the event ``stop_after``, or when the hub has turned by
+    ``hub_turn``, rad.
     """
     # Imported here, so that themes without a reference do not load its integrator.
     from bristle_sim.reference import simulate_reference
@@ -141,10 +142,11 @@ def agrees_with_reference(
 
 
 def _strike_difference(run: Trajectory, other: Trajectory) -> list[float]:
-    """Return the relative differences between the first strikes of two runs.
+    """Return the differences between the first strikes of two runs.
 
-    The differences are those of time, angle, angular velocities before and after, and impulse. The
-    list holds NaN if only one run has a strike. It is empty if neither run has one.
+    The differences are those of time, angle (rad), angular velocities before and after, and
+    impulse. All except that of the angle are divided by a magnitude from ``other``. The list holds
+    NaN if only one run has a strike. It is empty if neither run has one.
     """
     one, two = run.first_contact("workpart"), other.first_contact("workpart")
     if one is None or two is None:

@@ -159,7 +159,8 @@ def with_bar(radius: float) -> Tool:
 def _meets(accuracy: float) -> Finding:
     """Check the times at which bristles first touch the bar or the workpart.
 
-    The exact times follow from geometry.
+    The exact times follow from geometry. ``accuracy`` is requested of the simulations, and is the
+    largest permitted relative error of a time.
     """
     settings = Settings(accuracy=accuracy, samples_per_period=1)
     # Angles of a radial bristle to the workpart's normal at the touch, rad.
@@ -194,9 +195,10 @@ def _swings(accuracy: float, turns: int) -> Finding:
     """Check that a free oscillation conserves the energy in the hub's frame, Jacobi's integral.
 
     This energy is I alpha'^2/2 + k_T alpha^2/2 + m r_h (L/2) omega^2 (1 - cos alpha). Its relative
-    change per revolution of the hub must be at most ``accuracy``. alpha is the bristle's angle
-    relative to the hub, I its moment of inertia about the root, k_T the belt's stiffness, m and L
-    are the bristle's mass and length, r_h is the hub's radius and omega its angular velocity.
+    change per revolution, in ``turns`` revolutions of the hub, must be at most ``accuracy``.
+    alpha is the bristle's angle relative to the hub, I its moment of inertia about the root, k_T
+    the belt's stiffness. m and L are the bristle's mass and length, r_h is the hub's radius and
+    omega its angular velocity.
     """
     settings = Settings(
         accuracy, maximum_steps=10**9, hub_turn=turns * math.tau, samples_per_period=6

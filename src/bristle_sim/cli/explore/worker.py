@@ -151,7 +151,7 @@ class Workers:
         """Do a computation for a page in a browser, and return its result.
 
         A new computation stops the earlier computation of the same page. An empty ``page`` stops
-        nothing.
+        nothing. ``kind`` and ``arguments`` are those of :meth:`Worker.answer`.
         """
         self._stop(page)
         if not self._free.acquire(timeout=TIME_LIMIT):
