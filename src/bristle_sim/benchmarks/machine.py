@@ -15,7 +15,7 @@ PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "heyoka")
 
 
 def installed() -> set[str]:
-    """Return the names of those measured packages that are installed."""
+    """Return the names of the packages in ``PACKAGES`` that are installed."""
     return {name for name in PACKAGES if importlib.util.find_spec(name) is not None}
 
 

@@ -92,7 +92,7 @@ def _changes(pass_of: Scenario, one: Values, two: Values) -> list[list[str]]:
 
 
 def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:
-    """Return a sentence that says how the second tool's strike differs from the first's."""
+    """Return a sentence that compares the strike of the second tool with that of the first."""
     first, second = (each.outcome_in_words for each in reports)
     if "does not strike" in (first, second):
         one, two = (each if each == "does not strike" else "strikes" for each in (first, second))

@@ -82,8 +82,8 @@ def targets_of(options: argparse.Namespace, scenario: Scenario, values: Values) 
         values: values of the scenario's parameters, by key.
 
     Raises:
-        ValueError: in one line, for a file that cannot be written or has another suffix, or for
-            options that contradict each other.
+        ValueError: for a file that cannot be written or has a wrong suffix, or for options that
+            contradict each other. The message has one line.
         OSError: if standard output is closed.
     """
     if sys.stdout is None:

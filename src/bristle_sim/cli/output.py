@@ -43,9 +43,8 @@ if sys.platform != "win32":
 def progress(program: str) -> Iterator[None]:
     """Show the progress of a long computation on standard error while the context is active.
 
-    Each line begins with ``program``, the name of the program.
-    A terminal shows the progress in a single line that is overwritten. Any other stream gets a new
-    line every SILENCE seconds.
+    Each line begins with ``program``, the name of the program. A terminal shows the progress in a
+    single line that is overwritten. Any other stream gets a new line every SILENCE seconds.
     """
     if sys.stderr is None:
         yield

@@ -111,8 +111,8 @@ class Scenario:
             The values. A parameter that is not set has its default.
 
         Raises:
-            ValueError: in one line, for an unknown key, a refused value, or a key without effect
-                because of another key's value.
+            ValueError: for an unknown key, a refused value, or a key that has no effect because of
+                another key's value. The message has one line.
         """
         keys = self.keys()
         for key, given in typed.items():
@@ -158,8 +158,8 @@ class Scenario:
             One warning for each value in the file that has no effect on the scenario.
 
         Raises:
-            ValueError: in one line, for a file that cannot be read or is not TOML, an unknown key,
-                a refused value, or an absent part.
+            ValueError: for a file that cannot be read or is not TOML, an unknown key, a refused
+                value, or an absent part. The message has one line.
         """
         keys = self.keys()
         typed = dict[str, Any]()

@@ -58,8 +58,8 @@ def run_sweep(
         targets: the files to write, by option.
 
     Raises:
-        ValueError: for bad input, if no point has a result, or if the sweep needs the extra
-            ``sweep`` and it is not installed.
+        ValueError: for bad input, if no point has a result, or if the sweep needs packages of the
+            optional dependency ``sweep`` that are not installed.
     """
     axes = {axis.label: axis for axis in (_axis(scenario, text) for text in options.sweep)}
     if len(axes) < len(options.sweep):

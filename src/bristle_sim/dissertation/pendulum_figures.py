@@ -115,8 +115,8 @@ def _impact(
 def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
     """Return the double pendulum's closed-form impact.
 
-    Angles and angular velocities have the dissertation's signs, which are opposite to those of
-    ``chain``.
+    In the result, angles and angular velocities have the dissertation's signs, which are opposite
+    to those of ``chain``.
     """
     first, second = chain.masses
     state = [-each for each in (*chain.angles, *chain.rates)]

@@ -128,10 +128,9 @@ def grows(*families: Any) -> Figure:
 
 
 def linear(values: Any) -> Figure:
-    """Return the deviation of equally spaced samples from a straight line, and whether they lie on
-    one.
+    """Return the deviation of equally spaced samples from a straight line, and whether it is small.
 
-    The deviation is the largest second difference, divided by the range of the samples. The samples
-    lie on a straight line if the deviation is not larger than rounding error.
+    The deviation is the largest second difference, divided by the range of the samples. It
+    counts as small if it does not exceed rounding error.
     """
     return within(np.max(np.abs(np.diff(values, 2))) / np.ptp(values), 1e-12)

@@ -129,7 +129,7 @@ class Panel:
     Attributes:
         x: horizontal axis.
         y: vertical axis.
-        curves: the curves. The name of a curve is its value of the quantity ``family``.
+        curves: the curves. The name of a curve states the value of the quantity ``family``.
         family: symbol of the quantity that varies from curve to curve.
         marks: marked points.
         levels: labelled straight lines.

@@ -102,7 +102,7 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 
 
 def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
-    """Choose the nodes of the page, and return the intervals between them.
+    """Choose the times (nodes) between which the page interpolates, and return their intervals.
 
     The last node is the first sample of the run at or after the time ``end`` (s). At first all
     nodes are samples of the run. Intervals with large interpolation errors are then halved, until

@@ -180,8 +180,8 @@ class SurfaceFilm(Film):
     def move(self, time: float) -> Sequence[str]:
         """Show the surface at a time under the belt, s.
 
-        Strikes since the last shown time are added. For an earlier time all strikes are repeated on
-        the unblasted surface.
+        Strikes since the last shown time are added. If ``time`` is before the last shown time, all
+        strikes are repeated on the unblasted surface.
         """
         made = self.made
         number = int(np.searchsorted(self.times, time * (1.0 + 1e-12), "right"))

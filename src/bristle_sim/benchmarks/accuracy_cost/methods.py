@@ -160,7 +160,7 @@ MOST_STEPS = 100_000  # largest number of steps of a flight by an integrator of 
 def scipy_flight(case: Case) -> list[Attempt]:
     """Return attempts at a flight by the integrators of SciPy's ``solve_ivp`` and ``ode``.
 
-    The loop over time steps is Python code in ``solve_ivp`` and compiled code in ``ode``. They
+    The loop over time steps is Python code in ``solve_ivp`` and compiled code in ``ode``. Both
     solve I alpha'' = -k_T alpha - m r_h (L/2) omega^2 sin alpha for the bristle's angle alpha
     relative to the hub. I is the bristle's moment of inertia about its root, k_T the belt's
     stiffness, m and L are the bristle's mass and length, r_h is the hub's radius and omega its

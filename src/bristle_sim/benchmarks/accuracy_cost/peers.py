@@ -155,9 +155,9 @@ class MujocoModel:
     def go(self, count: int) -> Run:
         """Integrate a pass up to the strike; in each step the hub turns by ``HUB_TURN / count``.
 
-        The steps are first made in blocks. The block in which the tip first gets below the
-        workpart's surface is then repeated step by step. The strike lies within the last step. Its
-        state is interpolated linearly between the states before and after that step.
+        The steps are first taken in blocks, until the tip is below the workpart's surface. The last
+        block is then repeated step by step, which finds the step in which the tip strikes. The
+        state at the strike is interpolated linearly within this step.
         """
         step = HUB_TURN / self.hub_speed / count
         rate = 1.0 / (STEPS_IN_CONTACT * step)

@@ -68,8 +68,8 @@ def _chatters(
 ) -> HardCase:
     """Return a case whose repeated impacts must end with the bristle resting on the obstacle.
 
-    The permitted number of impacts is twice the number n at which e^n = ``SLOWEST``. The factor 2
-    allows for the motion between the impacts.
+    The coefficient of restitution is ``e``. The permitted number of impacts is twice the number n
+    at which e^n = ``SLOWEST``. The factor 2 allows for the motion between the impacts.
     """
     most = math.ceil(2.0 * math.log(SLOWEST) / math.log(e))
     promise = f"at most {most} taps, no energy gained; then in contact"

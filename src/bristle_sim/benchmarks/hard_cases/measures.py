@@ -69,7 +69,7 @@ def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
 
 
 def all_of(*findings: Finding) -> Finding:
-    """Combine several findings into one, which is ok if all of them are."""
+    """Combine several findings into one finding, which is ok if every one of them is ok."""
     words = "; ".join(each.reached for each in findings)
     return Finding(words, all(each.ok for each in findings), sum(each.steps for each in findings))
 
