@@ -225,7 +225,7 @@ class Scenario:
 def assigned(option: str, texts: Sequence[str]) -> dict[str, str]:
     """Split texts ``KEY=VALUE``, and return the values by key; the last value of a key counts.
 
-    ``option`` is the name of the option in the message on a text of another form.
+    ``option`` is the option's name, for the message of the error that a text without = raises.
     """
     for text in texts:
         if "=" not in text:

@@ -49,7 +49,7 @@ def printed_number(where: str) -> float:
 
 
 def printed_cue() -> dict[str, float]:
-    """Return the printed position of the bar and speed of the bristle (eqs. 2.2 and 2.3).
+    """Return the printed position of the bar (eq. 2.3) and speed of the bristle (fig. 4.2).
 
     Returns:
         ``speed``: angular velocity of the bristle relative to the hub, rad/s. ``direction``: angle

@@ -112,7 +112,7 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
 
 
 def heading(figure: Redrawn) -> str:
-    """Return the number, in bold letters, and the title of a figure, as matplotlib's math text."""
+    """Return a figure's heading for matplotlib: the number in bold letters, and the title."""
     number, _, title = figure.heading.partition(": ")
     shown = number.replace(" ", "\\ ")
     return f"$\\bf{{{shown}}}$  {title}"

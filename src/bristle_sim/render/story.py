@@ -154,7 +154,7 @@ def _caption(trajectory: Trajectory, event: Event, later: Sequence[Event], lags:
 
 
 def _lasts(trajectory: Trajectory, touch: Event, obstacle: str) -> bool:
-    """Return whether a touch of an obstacle begins a sustained contact or is a jam."""
+    """Return whether a touch of an obstacle is a jam or begins a sustained contact."""
     return any(
         each.obstacle == obstacle
         and (each.law == "sustained" or each.outcome == "jam")

@@ -122,7 +122,7 @@ GRID = 400  # number of instants of the force curves and of the map of bending m
 class WireFilm(Film):
     """Film of a bending wire's strike, beside that of a rigid wire.
 
-    It lasts from the first touch until the bending wave has returned from the root.
+    The film shows the contact from the first touch, and a short free motion after the contact.
     """
 
     size = (960, 540)
@@ -178,9 +178,7 @@ class WireFilm(Film):
 
 
 def _force(run: Any) -> tuple[Array, Array]:
-    """Return times from the first touch (s) and the normal forces (N) at these times in a
-    contact.
-    """
+    """Return times since the first touch (s), and a contact's normal force (N) at these times."""
     history = run.contact.history
     clock = history.time - history.time[0]
     time = np.linspace(0.0, clock[-1], GRID)

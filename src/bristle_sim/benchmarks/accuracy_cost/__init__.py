@@ -19,7 +19,8 @@ from bristle_sim.fields import choice
 class Effort(Declared):
     """Options of the measurement: the effort, and the packages to measure.
 
-    ``quick`` effort measures fewer settings of each method, and fewer times, than ``full`` effort.
+    At ``quick`` effort fewer settings of each method are measured than at ``full`` effort, and each
+    setting is measured fewer times.
     """
 
     effort: str = choice(

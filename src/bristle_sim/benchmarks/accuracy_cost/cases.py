@@ -73,7 +73,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StrikeCase(Case):
-    """An impact that obeys the energetic law of restitution."""
+    """An impact of the rods ``chain`` on ``surface``, by the energetic law of restitution."""
 
     chain: Chain
     surface: Surface
@@ -113,7 +113,7 @@ def release_flight() -> Case:
 def strike() -> StrikeCase:
     """Return the case of a single rod, the radial bristle, that strikes obliquely.
 
-    The exact answer is eqs. 2.19-2.65 of Zhang 2020.
+    The exact answer follows from eqs. 2.19-2.65 of Zhang (2020).
     """
     bristle = Tool().bristle
     hub = Tool().hub

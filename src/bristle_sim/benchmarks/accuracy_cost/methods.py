@@ -110,7 +110,7 @@ def _flight_of_built_scene(case: Case) -> list[Attempt]:
 def own_strike(case: StrikeCase) -> list[Attempt]:
     """Return this project's attempts at a strike, by each of its three contact laws.
 
-    The compliant law takes part with several accuracies.
+    There is one attempt by the compliant law for each of several requested accuracies.
     """
 
     def struck(law: str, accuracy: float) -> Run:

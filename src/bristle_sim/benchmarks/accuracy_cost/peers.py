@@ -184,10 +184,9 @@ class MujocoModel:
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Integrate until the tip is below the workpart's surface, and return an earlier state.
+        """Integrate until the tip is below the workpart's surface; return the state a block earlier.
 
-        The integration proceeds in blocks of ``block`` steps. The returned state is that before the
-        last block.
+        The integration proceeds in blocks of ``block`` steps.
         """
         while True:
             before = self._state()
