@@ -118,7 +118,8 @@ def row_film(
 ) -> ToolFilm:
     """Return a film of a row of bristles that is slowest where wires touch or strike.
 
-    The film lasts from the first bristle's touch of the bar to shortly after the last bristle's strike.
+    The film lasts from the first bristle's touch of the bar until shortly after the strike of the
+    last bristle.
 
     Args:
         row: the row of bristles.

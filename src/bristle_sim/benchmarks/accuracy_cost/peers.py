@@ -184,7 +184,7 @@ class MujocoModel:
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Integrate until the tip is below the workpart's surface; return the state a block earlier.
+        """Integrate until the tip is below the workpart's surface; return the state a block before.
 
         The integration proceeds in blocks of ``block`` steps.
         """
