@@ -62,8 +62,8 @@ MOST_DAMPED = 10.0
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release of the bristle, the bar positions that follow from it by several methods,
-    and passes with the bar at these positions.
+    """A simulated release of the bristle, the cues by several methods, and passes with the bar at
+    two positions.
 
     A cue is the bar position from which the released bristle strikes at its highest speed, with the
     cue time and this speed.
@@ -286,15 +286,15 @@ def _rows(timing: CueTiming, settings: Settings, printed: Values) -> tuple[Quant
     give.
 
     The tolerances follow from the relative error delta of the angular velocity. The bristle is
-    fastest where the torques of belt and damping balance. At that instant t
+    fastest at the instant t at which two torques balance,
 
-        alpha''' = -(K/I) alpha',
+        K alpha + c alpha' = 0,
 
     where alpha is the angle relative to the hub, K the stiffness of belt and centrifugal force, and
-    I the bristle's inertia. The error of the angular velocity changes the torque of the belt's
-    damping, whose coefficient is c. The instant therefore shifts by c delta/K, a relative error of
-    c delta/(K t). An error of the bar's direction changes each coordinate of the bar in proportion
-    to the other coordinate.
+    c the coefficient of the belt's damping. The error changes the torque of damping by c delta
+    alpha', while the torque K alpha grows by K alpha' per unit time. The instant therefore shifts
+    by c delta/K, a relative error of c delta/(K t). An error of the bar's direction changes each
+    coordinate of the bar in proportion to the other coordinate.
     """
     tool = timing.tool
     cue = timing.reference

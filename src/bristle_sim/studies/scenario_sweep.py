@@ -32,7 +32,7 @@ from bristle_sim.units import display_unit
 
 FORMULA = " by formula"  # suffix that marks the value of a quantity by formula
 
-CODE = "outcome_code"  # name under which a run returns the index of its outcome in OUTCOMES
+CODE = "outcome_code"  # name of the result that holds the index of an outcome in OUTCOMES
 
 ROUNDING = 1e-7
 """Largest difference between a quantity's values, divided by their magnitude, at which the quantity
