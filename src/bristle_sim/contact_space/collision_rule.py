@@ -21,14 +21,18 @@ MOST_TYPES = (1 << 64) - 1
 
 @dataclass(frozen=True, slots=True)
 class LocatedImpact(Impact):
-    """An impact with its time, location and bodies, as passed to ``report``.
+    """An impact with its time, location and bodies.
+
+    An EnergeticContact passes an object of this class to the user's function ``report``. All
+    numbers are in the units of the space.
 
     Attributes:
         time: time of the touch, measured from the creation of the EnergeticContact.
-        point: world coordinates of the contact.
-        normal: unit vector towards the first body; the tangent is the normal turned clockwise.
-        bodies: the dynamic body on which the impulse acts, and the body on which the opposite
-            impulse acts.
+        point: world coordinates (x, y) of the contact.
+        normal: unit vector (x, y) towards the first body; the tangent is the normal turned
+            clockwise.
+        bodies: the first body, which is dynamic and on which the impulse acts, and the second body,
+            on which the opposite impulse acts.
     """
 
     time: float

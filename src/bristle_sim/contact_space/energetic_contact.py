@@ -37,9 +37,9 @@ class EnergeticContact:
             default.
         tangential_compliance: ratio of the normal to the tangential contact stiffness, as in
             ``energetic_impact``. Impacts that are resolved simultaneously ignore it.
-        resting_speed: largest approach speed of a contact at rest. The engine resolves contacts at
-            rest, with ``friction`` and without restitution. A smaller value than the speed that
-            gravity adds in two steps is replaced by that speed.
+        resting_speed: approach speed up to which a contact counts as at rest. The engine resolves
+            contacts at rest, with ``friction`` and without restitution. If gravity adds a greater
+            speed in two steps, that speed is the bound instead.
         report: function that is called with a
             :class:`~bristle_sim.contact_space.collision_rule.LocatedImpact` for each impact that is
             faster than a contact at rest.
@@ -51,10 +51,12 @@ class EnergeticContact:
     Call :meth:`step` instead of ``space.step``, always with the same duration. ``space.step`` alone
     applies no impact law. The impacts in a step are resolved one by one at the instants of touch,
     the earliest first. Of impacts at the same instant the fastest is resolved first. Bodies that
-    contacts and joints connect form a group. After ``sequence.COLLAPSE`` impacts at one point, or
-    ``sequence.MOST`` impacts in a group, all contacts of the group are resolved simultaneously.
+    contacts and joints connect form a group. After 12 impacts at one point in a step
+    (``sequence.COLLAPSE``), or 40 impacts in a group (``sequence.MOST``), all contacts of the group
+    are resolved simultaneously.
 
-    For a copied or unpickled space :meth:`of` returns its EnergeticContact, without ``report``.
+    A copied or unpickled space has its own EnergeticContact, which :meth:`of` returns; its
+    ``report`` is None.
     Threads may step different spaces at the same time; Chipmunk does not permit two threads in one
     space.
 
@@ -62,12 +64,12 @@ class EnergeticContact:
     joints. Neither this change nor the impact increases the energy, except by the work of moving
     kinematic bodies, motors and surface velocities. Between impacts the engine may gain energy: it
     solves joints iteratively, and it corrects position errors by additional velocities. With
-    ``error_bias`` and ``collision_bias`` equal to 1 it does not correct positions.
+    ``error_bias`` and ``collision_bias`` equal to 1 the engine does not correct positions.
 
     Every kind of joint transmits the impulse of an impact. A joint at a limit transmits it only if
     the limit pushes. Springs, joints with a finite ``max_force`` and joints outside the space
-    transmit no impulse. A user's ``pre_solve`` callback for the same two types is called before the
-    contact is resolved, a ``pre_solve`` callback for any type (None) after it.
+    transmit no impulse. A user's ``pre_solve`` callback for the same two types is called before
+    this class reads the contact, a ``pre_solve`` callback for any type (None) afterwards.
     """
 
     def __init__(
@@ -150,8 +152,9 @@ class EnergeticContact:
         Warns:
             RuntimeWarning: once, if a body moves so far in a step that it passes through a shape
                 with which it should collide. The warning states a step that is short enough. While
-                no body is fast, speeds are read only every ``tunnelling.UNWATCHED_STEPS`` steps, so
-                a body that becomes fast may be noticed that many steps later.
+                no body moves by more than the width of the narrowest shape in a step, speeds are
+                read only in every 16th step. A body that becomes fast may then be noticed up to 15
+                steps later.
         """
         if type(duration) is not float or not 0.0 <= duration <= 1.0:
             (duration,) = checked_numbers(duration=duration)
@@ -179,9 +182,9 @@ class EnergeticContact:
 
     @staticmethod
     def of(space: pymunk.Space) -> EnergeticContact | None:
-        """Return the EnergeticContact of a space, for example of a copied space.
+        """Return the EnergeticContact of a space; None for a space without an EnergeticContact.
 
-        Return None for a space without an EnergeticContact.
+        For a copied space this is the copy's own EnergeticContact.
         """
         owners = (_owner(each.pre_solve) for each in space._handlers.values())
         return next((each for each in owners if isinstance(each, EnergeticContact)), None)
@@ -194,14 +197,14 @@ class EnergeticContact:
         self.pairs.clear()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the attributes for a copy; its ``report`` is None."""
+        """Return the attributes for a copy or a pickle, with None in place of ``report``."""
         return {**self.__dict__, "report": None}
 
     def _attach(self) -> None:
-        """Register the callbacks of all pairs.
+        """Register this object's ``pre_solve`` callback for every pair of collision types.
 
-        A callback that a user has registered since the last call is kept as ``chained``, and is
-        called first.
+        If the user has registered another callback for the pair since the last call, it is stored
+        as ``chained`` and called first.
         """
         for types, pair in self.pairs.items():
             handler = self.space._handlers[types]
@@ -215,7 +218,7 @@ class EnergeticContact:
     ) -> None:
         """Call the user's callback for a contact, then classify the contact.
 
-        The engine resolves a contact at rest. An impact is recorded, and the engine ignores it.
+        The engine resolves a contact at rest. It ignores an impact, which is recorded instead.
         """
         try:
             if pair.chained is not None:

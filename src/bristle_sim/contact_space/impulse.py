@@ -3,15 +3,15 @@ impulse at the contact causes.
 
 With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (its rows give
 the normal and tangential velocity of the first body's point relative to the other body's point), an
-impulse p at the contact changes the velocities by dV = M^-1 (C^T p + J^T lambda) with J dV = 0. In
-coordinates scaled by the square root of the mass this is a projection: the part (n, t) of M^-1/2
-C^T that is orthogonal to the columns of M^-1/2 J^T gives
+impulse p at the contact causes joint impulses lambda and the velocity changes dV = M^-1 (C^T p +
+J^T lambda) with J dV = 0. In coordinates scaled by the square root of the mass this is a
+projection: the part (n, t) of M^-1/2 C^T that is orthogonal to the columns of M^-1/2 J^T gives
 
     K = (n, t)^T (n, t)    and    dV = M^-1/2 (n, t) p.
 
-The part of n that is also orthogonal to t is the motion in stick. Its square is the compliance in
-stick. This avoids the cancellation in the equal expression K_nn - K_nt^2/K_tt. Static and kinematic
-bodies have zero inverse mass.
+The part of n that is also orthogonal to t is the motion in stick. The square of its length is the
+compliance in stick, which equals K_nn - K_nt^2/K_tt. Computed as a square it has no error from
+cancellation. Static and kinematic bodies have zero inverse mass.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ from bristle_sim.contact_space.projection import (
 # Ratio of the motion that an impulse causes with joints to the motion that it causes without them,
 # below which the former is rounding error: the point cannot move.
 SINGULAR = 64.0 * sys.float_info.epsilon
-# Ratio of the velocity at which a joint leaves its limit to the speed of the bodies, below which it
-# is rounding error. The same bound holds for the ratio of a limit's pulling impulse to the impulse
-# at the contact.
+# Velocity at which a joint leaves its limit, divided by the largest such velocity that the bodies'
+# kinetic energy permits, below which the velocity is rounding error. The same bound holds for the
+# impulse with which a limit pulls, divided by the impulse at the contact.
 OPENS = 1e-9
 
 
@@ -68,10 +68,10 @@ class ContactSpace:
         limits: joints that are at a limit: first those whose limit acts as a rigid stop, then those
             whose limit is released, so that it transmits no impulse.
         partings: effect of a unit normal (column 0) and a unit tangential impulse (column 1) at the
-            contact, shape (limits, 2). The row of a rigid stop holds the impulse in the stop. The
-            row of a released limit holds the velocity at which the bodies separate from it. The
-            limits' Jacobian rows are scaled by M^-1/2, with the mass matrix M, and then to length
-            1.
+            contact on each of ``limits``, shape (len(limits), 2). The row of a rigid stop holds the
+            impulse in the stop. The row of a released limit holds the velocity at which the bodies
+            separate from it. The limits' Jacobian rows are scaled by M^-1/2, with the mass matrix
+            M, and then to length 1.
         sizes: lengths of the contact's two Jacobian rows, scaled by M^-1/2, shape (2,). They give
             the scale of the rounding error of ``partings``.
     """
@@ -86,11 +86,13 @@ class ContactSpace:
     sizes: Array
 
     def wrong_limit(self, impulse: Vector) -> pymunk.Constraint | None:
-        """Return the joint whose limit would pull, or would be passed, by most in an impact.
+        """Return the joint whose limit an impact violates most; None if no limit is violated.
 
-        ``impulse`` is the (normal, tangential) impulse at the contact. A rigid stop must not pull,
-        and the bodies must not pass a released limit. Return None if no limit does so by more than
-        rounding error.
+        A rigid stop is violated if it would have to pull. A released limit is violated if the
+        bodies would pass it. Violations by no more than rounding error do not count.
+
+        Args:
+            impulse: (normal, tangential) impulse at the contact.
         """
         values = self.partings @ impulse
         wrong = values.min(initial=0.0) < -OPENS * (self.sizes @ np.abs(impulse))
@@ -165,10 +167,12 @@ def relative_motion(
 ) -> tuple[list[tuple[Entry, ...]], Vector]:
     """Return the Jacobian rows of a contact and the relative velocity of its points.
 
+    The arguments are those of ``contact_space``.
+
     Returns:
         The Jacobian rows for the velocity of the first body's point relative to the other body's
         point, in the order (normal, tangential).
-        This velocity, in the same order.
+        The (normal, tangential) components of this relative velocity.
     """
     relative = -surface_velocity
     for body, sign in zip(ends, (1.0, -1.0), strict=False):

@@ -6,11 +6,13 @@ is J V >= b. In an instantaneous impact a joint transmits an impulse only if its
 Springs and joints with a finite ``max_force`` transmit none, nor do joints that have not been added
 to a space. A limit (of a slide, groove, rotary limit or ratchet joint) acts only while it is
 reached, and pushes in one direction. The signs are those of the Chipmunk sources (cpSlideJoint.c
-and its siblings).
+and its siblings). Each joint constrains one of the following velocities, where w_a and w_b are the
+angular velocities of its bodies a and b:
 
     pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             velocity of anchor a relative to anchor b, both components
-    groove            the same velocity across the groove; at an end of the groove also along it
+    groove            the component of this velocity across the groove; at an end of the groove
+                      also the component along the groove
     rotary limit, ratchet   w_a - w_b
     gear              w_a - ratio w_b
     motor             w_a - w_b = rate
@@ -77,10 +79,13 @@ class JointRow(NamedTuple):
 def relative_rows(
     ends: Iterable[tuple[pymunk.Body, complex]], directions: Sequence[complex]
 ) -> list[tuple[Entry, ...]]:
-    """Return one Jacobian row for each direction, for the relative velocity of two points.
+    """Return the Jacobian rows for the velocity of one point relative to another.
 
-    ``ends`` holds two pairs of a body and the world coordinates of a point on it. The velocity is
-    that of the first point relative to the second.
+    Args:
+        ends: for each of the two points, the body that carries it and its world coordinates. If
+            only one is given, the other point is at rest.
+        directions: unit vectors; each row belongs to the velocity of the first point relative to
+            the second along one of them.
     """
     entries = []
     for (body, point), sign in zip(ends, (1.0, -1.0), strict=False):
@@ -102,8 +107,8 @@ def world(body: pymunk.Body, place: tuple[float, float]) -> complex:
 def joined(ends: Iterable[pymunk.Body]) -> Connected:
     """Return all dynamic bodies that joints connect to ``ends``, and these joints.
 
-    A body may be connected through other bodies. The returned bodies include the dynamic bodies in ``ends``. Joints that transmit no impulse are
-    ignored.
+    A body may be connected through other dynamic bodies. The returned bodies include the dynamic
+    bodies in ``ends``. Joints that transmit no impulse are ignored.
     """
     waiting = list(ends)
     bodies: dict[pymunk.Body, None] = {}
@@ -177,7 +182,8 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
 
 Guided = tuple[tuple[complex, complex], list[tuple[complex, bool]]]
 """World coordinates of a joint's two anchors, and the directions in which the anchor on body a
-cannot move relative to the anchor on body b. True beside a direction states that a limit stops it.
+cannot move relative to the anchor on body b. True beside a direction states that only a limit
+prevents this motion.
 """
 
 

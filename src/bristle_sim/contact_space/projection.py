@@ -23,8 +23,8 @@ from bristle_sim.contact_space.joints import joint_rows, scaled_columns
 # Magnitude of J V - b, as a fraction of the sum of the magnitudes of its terms, below which it is
 # rounding error.
 CLOSED = 1e-14
-# Singular value of the joints' rows, as a fraction of the largest singular value, below which it is
-# zero: a joint repeats the constraints of other joints.
+# Singular value of the joints' rows, as a fraction of the largest singular value, below which it
+# counts as zero. It is zero where a joint repeats the constraints of other joints.
 DEPENDENT = 1e-12
 
 
@@ -56,9 +56,9 @@ def orthogonal_part(columns: Array, others: Array) -> Array:
 def joint_columns(
     bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]
 ) -> tuple[Array, Array]:
-    """Return the joints' Jacobian scaled as by ``scaled_columns``, and the diagonal of M^-1/2.
+    """Return the scaled Jacobian M^-1/2 J^T of joints and the diagonal of M^-1/2.
 
-    A limit that is reached counts as a rigid joint.
+    M is the mass matrix. A limit that is reached counts as a rigid joint.
     """
     return scaled_columns([row.entries for joint in joints for row in joint_rows(joint)], bodies)
 
@@ -68,7 +68,8 @@ def allowed_part(
 ) -> Array:
     """Return the velocity changes without the part that joints prevent, shape (3 * len(bodies),).
 
-    The result is the orthogonal projection of ``changes`` in the norm of the kinetic energy.
+    The result is the velocity change that the joints allow and that is closest to ``changes``. The
+    distance of two velocity changes is the kinetic energy of their difference.
     """
     columns, scale = joint_columns(bodies, joints)
     scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
@@ -76,9 +77,9 @@ def allowed_part(
 
 
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> None:
-    """Change the bodies' velocities by the smallest amount after which they obey the joints.
+    """Change the bodies' velocities as little as possible so that the velocities obey the joints.
 
-    The size of a change is measured in the norm of the kinetic energy.
+    The size of a change is the kinetic energy of the bodies with the changes as velocities.
 
     Raises:
         RuntimeError: if there is no set of limits in which each limit pushes and no other limit is
@@ -100,8 +101,8 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
 def set_in_motion(bodies: Sequence[pymunk.Body], change: Array) -> None:
     """Add ``change`` to the velocities of bodies.
 
-    It holds the changes of v_x, v_y and the angular velocity of each body, shape
-    (3 * len(bodies),).
+    The changes of v_x, v_y and the angular velocity of the first body come first, then those of the
+    next body.
     """
     for body, (x, y, turn) in zip(bodies, change.reshape(-1, 3).tolist(), strict=True):
         body.velocity += (x, y)

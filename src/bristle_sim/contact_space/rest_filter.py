@@ -58,7 +58,10 @@ class RestFilter:
         self._bodies: Any = None
 
     def begin(self, resting_speed: float) -> None:
-        """Prepare for an engine step; contacts slower than ``resting_speed`` are at rest in it."""
+        """Prepare for an engine step.
+
+        In the step, contacts that approach no faster than ``resting_speed`` count as at rest.
+        """
         self.resting_speed = resting_speed
         self.resting = -1.0
         self._bodies = room_for_bodies()
@@ -74,10 +77,11 @@ class RestFilter:
         self.motion.clear()
 
     def filter_impact(self, rule: CollisionRule, arbiter: pymunk.Arbiter) -> None:
-        """Leave a contact at rest to the engine, or make the engine ignore an impact.
+        """Classify a contact as at rest or as an impact, and record it.
 
-        A contact at rest has the friction of its rule and no restitution. Its shapes are not read,
-        because a space may have many contacts at rest.
+        The engine resolves a contact at rest with the friction of its rule and without restitution.
+        The shapes of such a contact are not read, because a space may have many contacts at rest.
+        The engine ignores an impact.
 
         Args:
             rule: coefficients of the two collision types.

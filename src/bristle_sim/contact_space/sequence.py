@@ -85,7 +85,7 @@ class Groups:
 
 
 class ImpactSequence:
-    """Resolves the approaching contacts at the end of a step.
+    """Resolves the impacts of an engine step one by one, after the step.
 
     Args:
         contacts: contacts of the step, divided into contacts at rest and impacts.
@@ -202,7 +202,7 @@ class ImpactSequence:
     def _impact(
         self, point: TouchingPoint, connected: Connected
     ) -> tuple[ContactSpace, Impact, bool]:
-        """Return the impact at a point.
+        """Find by trial which joint limits push in an impact, and return the impact at a point.
 
         A joint limit that would pull transmits no impulse, unless the bodies would then pass it.
 

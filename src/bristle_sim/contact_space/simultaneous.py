@@ -81,7 +81,7 @@ def resolve_at_once(
     restitution[-before[:, 0] <= resting] = 0.0
 
     def gain(impulse: Array) -> Array:
-        """Return the changes of the contact velocities that the impulses cause, shape (m, 2)."""
+        """Return the velocity changes that impulses cause at the m contacts, shape (m, 2)."""
         return np.asarray(transposed @ (contacts @ impulse.ravel())).reshape(-1, 2)
 
     first = _plastic(gain, step, friction, before)

@@ -1,15 +1,15 @@
 """The motion of bodies in the engine's last step, and their contact points at the instant of touch.
 
-The engine integrates by the leapfrog method: it moves positions by the old velocity, and then
-changes velocities. With the velocity V before a step of length h and V + g after it, V is the
-velocity at the middle of the step, and V + g is the velocity half a step after the step's end. At
-the time s before the end of the step the position and the velocity are
+The engine integrates by the leapfrog method: a step moves the position by the old velocity, and
+then changes the velocity. Let a step of length h change the velocity from V by g to V_end = V + g.
+Then V applies at the middle of the step, and V_end half a step after the step's end. With the
+position x at the end of the step, the position and the velocity at the time s before the end are
 
     x_s = x - s (V_end - g)    and    V_s = V_end - (s/h + 1/2) g.
 
 After an impact at that instant has changed V_s, the same equations lead back to the end of the
-step. For e* = 1 the energy that the leapfrog conserves, V^2/2 at the end of the step and m g x, is
-then conserved exactly in gravity. Any other error is of second order in h.
+step. If only gravity acts and e* = 1, the kinetic plus potential energy at the end of a step is
+then conserved exactly. Any other error is of second order in h.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def velocity_of(body: pymunk.Body) -> Motion:
 
 
 class StepMotion:
-    """The velocity changes in one step of all bodies that an impact may move.
+    """The velocity changes, in one engine step, of all bodies that an impact may move.
 
     Attributes:
         duration: duration of the step.
@@ -108,18 +108,17 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return how long after an instant the engine's velocities apply, as a number of steps.
+        """Return the time from an instant to the time of the engine's velocities, in steps.
 
-        The engine's velocities apply half a step after the end of the step. ``time`` is the time
-        from the instant to the end of the step.
+        The engine's velocities apply half a step after the end of the last step. ``time`` is the
+        time from the instant to the end of that step.
         """
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
-        """Move bodies on for a time, with the velocities by which the last step changed their places.
+        """Move bodies for a time at the velocities by which the last engine step moved them.
 
-        These are not the velocities that the bodies have after the step. A negative time moves the
-        bodies back.
+        The bodies' velocities after that step are different. A negative time moves the bodies back.
         """
         for body in bodies if time else ():
             raw = body._body
@@ -148,7 +147,7 @@ class Overlap(NamedTuple):
     depth: float
 
     def ahead(self, later: Overlap, factor: float) -> Overlap:
-        """Return an overlap whose point and normal are extrapolated linearly.
+        """Return the overlap at another instant, with point and normal extrapolated linearly.
 
         ``factor`` is 0 at this overlap and 1 at ``later``. The depth is that of this overlap.
         """
@@ -293,10 +292,10 @@ class TouchingPoint:
         self.approach = growth - motion.steps(self.time) * gain
 
     def go_back(self, motion: StepMotion, bodies: Sequence[pymunk.Body], latest: float) -> None:
-        """Move bodies back to the instant of touch, and correct its time, point and normal.
+        """Move bodies back to the instant of touch, and correct the touch's time, point and normal.
 
-        The instant is estimated from the overlaps of the shapes at an earlier position of the
-        bodies and at the end of the step.
+        The instant is estimated from two overlaps of the shapes: at an earlier position of the
+        bodies, and at the end of the step.
 
         Args:
             motion: velocity changes in the step.
@@ -321,7 +320,7 @@ class TouchingPoint:
         self.time = 0.0
 
     def _look(self) -> Overlap | None:
-        """Return the overlap of the two shapes at present; None if they do not overlap.
+        """Return the overlap of the two shapes in their present positions; None if they are apart.
 
         Of several overlaps, the one closest to the previous contact point is returned.
         """

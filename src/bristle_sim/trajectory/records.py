@@ -138,7 +138,7 @@ class Motion(WireMotion):
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity as a column of a table, by its title "name (unit)".
+        """Return the columns of a table of all quantities, by their titles "name (unit)".
 
         The motion must have a one-dimensional array of instants. Each column has one entry for each
         instant.
@@ -186,7 +186,7 @@ class ContactHistory(EqualByValue):
     tangential_velocity: Array
 
     def columns(self) -> dict[str, Array]:
-        """Return every quantity as a column of a table, by its title "name (unit)"."""
+        """Return the columns of a table of all quantities, by their titles "name (unit)"."""
         units = ("s", "N", "N", "m", "m/s", "m/s")
         named = zip(dataclasses.fields(self), units, strict=True)
         return {f"{each.name} ({unit})": getattr(self, each.name) for each, unit in named}
@@ -267,7 +267,7 @@ class ContactRecord:
 
     @property
     def outcome_in_words(self) -> str:
-        """The outcome in the words of sentences and of the results of ``ensemble``.
+        """The outcome as words that complete a sentence, as in the results of ``ensemble``.
 
         The outcome of an impact is *rebounds*, *reverses its slip*, *sticks and rebounds*, *stays*
         or *jams*. Reverse slip and stick count only in phases with an impulse. For a sustained
@@ -300,7 +300,7 @@ class ContactRecord:
         return self.impulse[0] * normal / work if work > 0.0 else math.inf
 
     def columns(self) -> dict[str, Array]:
-        """Return the contact's history as columns of a table, by their titles "name (unit)".
+        """Return the columns of a table of the contact's history, by their titles "name (unit)".
 
         Raises:
             ValueError: for a contact without a history.

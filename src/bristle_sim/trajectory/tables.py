@@ -81,7 +81,7 @@ def installed(library: str) -> Any:
     """Import an optional library and return it.
 
     Raises:
-        ImportError: if it is not installed; the message names the extra that installs it.
+        ImportError: if the library is not installed; the message states how to install it.
     """
     try:
         return import_module(library)

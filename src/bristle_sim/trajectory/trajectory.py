@@ -168,10 +168,10 @@ class Trajectory(Motion):
     def with_places(self, tool: Tool) -> Trajectory:
         """Return a copy in which the contacts with bar and workpart have ``point`` and ``place``.
 
-        The place is a corner of the centre line at the workpart, or the point of a straight segment
-        that is closest to the bar. Of these points it is the one with the smallest sum of two
-        lengths. The first is its gap. The second is the difference of its normal velocity from that
-        of the record, times the duration of the run.
+        At the workpart the place is a corner of the centre line; at the bar it is the point of a
+        straight segment that is closest to the bar. If several points are possible, that with the
+        least g + T dv is taken. Here g is the gap of the point, T the duration of the run, and dv
+        the difference of the point's normal velocity from that of the contact record.
         """
         lines = self.centre_line @ (1.0, 1j)
         duration = float(self.time[-1] - self.time[0])
