@@ -17,7 +17,7 @@ modules below it in this list:
 - ``system``: the state, the plan and the record of a run.
 - ``compliant``: the law of contacts with springs; ``spring``: such a contact, and its forces on the
   bodies.
-- ``extrapolation``: the integrator, which extrapolates engine steps to the step zero.
+- ``extrapolation``: the integrator, which extrapolates engine steps to zero step length.
 - ``contact``: sustained contacts, and the forces of rigid contacts.
 - ``impacts``: the response of a contact point to an impulse, and the impact laws.
 - ``build``: the pymunk space of a mechanism, and the engine's steps.

@@ -4,7 +4,7 @@ It contains only the effects that are requested. The engine's corrections of pos
 switched off, because they would feed position errors into the velocities. Joints are not pulled
 together (``error_bias`` 1). An interval of motion starts from bodies placed exactly on their
 joints. The bodies drift off the joints within the interval. This drift is a smooth function of the
-step, so extrapolation to the step zero removes it. Touching shapes are not pushed apart
+step, so extrapolation to zero step length removes it. Touching shapes are not pushed apart
 (``collision_bias`` 1, ``collision_slop`` above the margin of the shapes).
 
 Operations done thousands of times per simulation call the engine (Chipmunk) directly: a step
@@ -114,7 +114,7 @@ class Scene:
         mechanism: the links and the hub's motion.
         effects: springs, damping, gravity and contacts.
         space: the pymunk space.
-        hub: kinematic body that carries the roots; the space's static body without a hub.
+        hub: kinematic body that carries the roots; without a hub, the space's static body.
         links: bodies of the links, in order from the root.
         joints: pivots of the links, in order from the root.
         joint_solver: solver of joints, damping and sustained contacts.
@@ -205,7 +205,8 @@ class Scene:
     def state_at(self, time: float, values: Sequence[float]) -> State:
         """Return the state at a time from the engine's values.
 
-        ``values`` begins with the engine's angles of all links, then their angular velocities.
+        ``values`` begins with the angles of all links in the engine, followed by their angular
+        velocities.
         """
         links = len(self.links)
         angles = [angle + self.turned for angle in values[:links]]
@@ -234,7 +235,7 @@ class Scene:
         Args:
             length: length of a step.
             count: number of steps; even for symmetric steps.
-            acts: functions that are called before each step.
+            acts: functions called before each step, which apply the forces of contact springs.
             symmetric: whether the steps are symmetric in time. The bodies must then have been
                 placed where they would have been half a step earlier.
             middle: list to which the function appends the angles and angular velocities of all

@@ -25,7 +25,7 @@ MOST_IMPACTS_AT_ONCE = 64
 After more impacts the links count as jammed."""
 
 MOST_CHANGED_APPROACH = 0.5
-"""Largest relative change of an impact's velocity jumps by the run's error, up to which the error
+"""Relative change of an impact's velocity jumps, caused by the run's error, up to which the error
 is assumed to grow linearly in the impact."""
 
 
@@ -210,9 +210,10 @@ def propagate_error(
     Two neighbouring motions are compared with the simulated motion. In both, the estimated error is
     added to the angles. In one it is added to the angular velocities too, in the other it is
     subtracted from them. The neighbouring motions have other instants of touch, approach speeds and
-    levers of the normal, and hence other velocity jumps. If the law has corrected the slip velocity
-    so that slip and approach end together, it is uncertain whether the contact sticks or jams. The
-    error is then recorded as unknown.
+    levers of the normal, and hence other velocity jumps. The error is recorded as unknown in two
+    cases. The jumps of a neighbouring motion may differ by more than ``MOST_CHANGED_APPROACH``. Or
+    the law has corrected the slip velocity so that slip and approach end together, and it is
+    uncertain whether the contact sticks or jams.
 
     Args:
         system: the run, in the state after the impact.

@@ -33,8 +33,8 @@ penetration adds 4e-14/(T e*); the sum is least near this bound. Damping with a 
 sqrt(r)."""
 
 FORCE_ROUNDING = 1e-15
-"""Error of a velocity after one interval, caused by rounding error of the contact force and
-multiplied by T e* with the contact's duration T, in scene units."""
+"""Velocity error of one interval that rounding error of the contact force causes, multiplied by
+T e* with the contact's duration T; scene units."""
 
 CLEAR_OF_ROUNDING = 1e4
 """Least ratio of tolerance to rounding error at which the closely spaced step numbers ``CLOSE`` are
@@ -164,7 +164,7 @@ class CompliantLaw(ContactLaw):
         )
 
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
-        """Return a contact duration that is short enough to agree with the rigid-body limit.
+        """Return a contact duration so short that the outcome agrees with the rigid-body limit.
 
         It is also long enough to keep rounding error small.
 

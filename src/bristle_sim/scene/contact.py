@@ -20,10 +20,10 @@ from bristle_sim.scene.pairs import ClosedPair, Closest
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_SLIP = 1e-9
-"""Least slip velocity, in scene units, whose sign is not attributed to rounding error."""
+"""Slip velocity, in scene units, up to which its sign is attributed to rounding error."""
 
 LEAST_ACCELERATION = 1e-7
-"""Least slip acceleration, in scene units, whose sign is not attributed to rounding error of the
+"""Slip acceleration, in scene units, up to which its sign is attributed to rounding error of the
 difference quotient over the time ``MOMENT``."""
 
 MOMENT = 1e-6
@@ -207,7 +207,7 @@ class RigidContacts:
         """Return the forces, impulses and work of all contacts in one list, ordered as in ``Sums``.
 
         The normal force is that of the last step. If a contact would have had to pull in some of
-        the steps, its normal force is that of the last of these.
+        the steps, its normal force is that of the last step in which it would have had to pull.
 
         Args:
             step: length of a step.
@@ -299,7 +299,7 @@ class RigidContacts:
             contact.slip = 0
 
     def slip_acceleration(self, contact: ClosedPair, state: State) -> float:
-        """Return the tangential acceleration of a contact point that stays on its obstacle."""
+        """Return the tangential acceleration (scene units) of a point staying on its obstacle."""
         later = state.moved(MOMENT, [0.0] * len(state.rates))
         before, after = (
             contact.pair.closest(self.scene.mechanism.poses(each), each.rates).velocity[1]

@@ -262,8 +262,9 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
     """Yield the events that change the phase of a contact with a spring.
 
     The spring changes between loading, unloading and rest. The contact point changes between slip
-    and stick. The value of each event is a velocity. A penetration d is converted to the velocity
-    d/T, a force F to F/(k T), with the contact's duration T and its normal stiffness k.
+    and stick. The value of each event except ``Kind.OVERDUE`` is a velocity. A penetration d is
+    converted to the velocity d/T, a force F to F/(k T), with the contact's duration T and its
+    normal stiffness k.
     """
     pair = spring.pair
     duration = spring.duration

@@ -1,4 +1,4 @@
-"""The integrator of intervals without events: engine steps, extrapolated to the step zero.
+"""The integrator of intervals without events: engine steps, extrapolated to zero step length.
 
 In a step the engine moves positions by the old velocities and then changes the velocities. The
 error after an interval without events is therefore a smooth function of the step h, of first order.
@@ -37,7 +37,8 @@ repetitions. At a smaller tolerance, three repetitions of steps that are not sym
 suffice, and an estimate after the third would take 3 % of the time."""
 
 EARLY_FRACTION = 0.25
-"""Largest error estimate after three repetitions in flight, as a fraction of the permitted error.
+"""Error estimate after three repetitions in flight, as a fraction of the permitted error, up to
+which no fourth repetition follows.
 
 With steps of a quarter radian the error is a quarter of the estimate, and a fourth repetition would
 reduce it tenfold. An interval without a fourth contributes a sixteenth of the permitted error."""
@@ -124,7 +125,7 @@ class Repetitions:
 
 
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
-    """Return the weights by which results for several steps are extrapolated to the step zero.
+    """Return the weights by which results for several steps are extrapolated to zero step length.
 
     The weights are the values at h = 0 of the Lagrange polynomials in h^power for the nodes h =
     1/n, where n are the numbers of steps in ``counts``.
@@ -154,7 +155,7 @@ be four times as long."""
 
 
 class Extrapolation:
-    """Integrates intervals without events by engine steps, extrapolated to the step zero.
+    """Integrates intervals without events by engine steps, extrapolated to zero step length.
 
     Args:
         tolerance: largest permitted error of an interval, in scene units.
@@ -187,7 +188,7 @@ class Extrapolation:
         self.noise = max(tolerance, repetitions.noise[3])
 
     def propose(self, remaining: float) -> float:
-        """Return the length of the next interval, adjusted so that it divides the remaining time.
+        """Return the length of the next interval, of which a whole number fills the remaining time.
 
         ``remaining`` is the time to the end of the motion.
         """
@@ -281,10 +282,10 @@ class Extrapolation:
     def accepts(self, result: IntervalResult, duration: float) -> bool:
         """Return whether a result's estimated error is permitted, and propose the next length.
 
-        Each error estimate in ``result`` belongs to a number of repetitions. It gives the permitted
-        interval for this number, and thus the cost per simulated time. The interval of least cost
-        is proposed. An accepted interval that was much shorter than proposed does not shorten the
-        next proposal.
+        Each error estimate in ``result`` belongs to a number of repetitions. The longest permitted
+        interval with this number of repetitions follows from the estimate, and so does the cost per
+        simulated time. The interval of least cost is proposed. An accepted interval that was much
+        shorter than proposed does not shorten the next proposal.
 
         Args:
             result: result of an interval.

@@ -32,10 +32,10 @@ cannot move in this way. For a lever it is the ratio to the contact point's dist
 For the motion in stick it is the ratio to the motion that a normal impulse causes."""
 
 CANCELS = 100.0
-"""Ratio of the two terms of the change of the slip velocity to the slip velocity itself, above
-which their sum loses two digits by cancellation. It occurs where a heavy link leaves a sticking
-contact point hardly any compliance. The angular velocities are then computed from the motion in
-stick."""
+"""Ratio above which the sum of two changes of the slip velocity, by the normal and by the
+tangential impulse, loses two digits by cancellation. It is the ratio of their magnitudes to the
+slip velocity itself. It is large where a heavy link leaves a sticking contact point hardly any
+compliance. The angular velocities are then computed from the motion in stick."""
 
 # Length of the step in which the engine resolves an impact, in scene time units. It is so short
 # that forces and motion in the step have less effect than rounding error.
@@ -213,16 +213,20 @@ def impact_at(
 
 
 def ending_together(point: ContactPoint, accuracy: float) -> tuple[ContactPoint, Vector]:
-    """Return a contact point and its (normal, tangential) velocity before an impact.
+    """Return a contact point and its velocity, corrected so that slip and approach end together.
 
-    A contact point with one degree of freedom can move in one direction only: v_t/v_n = K_nt/K_nn,
-    with its slip velocity v_t, its normal velocity v_n and the contact-space inverse mass matrix K.
-    Its slip and its approach therefore end at the same impulse. With an error of v_t the slip could
-    end earlier, and the point would stick while it still approaches. An error of v_t up to
-    ``accuracy``, relative to the speed, is therefore removed from the tangential velocity.
+    The returned velocity is the (normal, tangential) velocity before the impact. It is corrected
+    only for two kinds of contact point, and by no more than its error.
 
-    The same is done for a chain that is straight but for an error of its links' directions. Its
-    response in stick, which is proportional to the square of this error, is set to zero.
+    The first kind has one degree of freedom and can move in one direction only: v_t/v_n =
+    K_nt/K_nn, with its slip velocity v_t, its normal velocity v_n and the contact-space inverse
+    mass matrix K. Its slip and its approach therefore end at the same impulse. With an error of v_t
+    the slip could end earlier, and the point would stick while it still approaches. An error of v_t
+    up to ``accuracy``, relative to the speed, is therefore removed from the tangential velocity.
+
+    The second kind belongs to a chain that is straight but for an error of its links' directions.
+    Its velocity is corrected in the same way. Its response in stick, which is proportional to the
+    square of this error, is set to zero.
     """
     normal, coupling = point.inverse_mass[0]
     approach, slip = point.touch.velocity

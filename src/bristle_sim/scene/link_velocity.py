@@ -69,7 +69,7 @@ class LinkVelocity:
     def set_back(self, state: State) -> State:
         """Return the state after a rotation of the link that closes the gap of the contact.
 
-        The angular velocity is changed too, so that the gap does not change.
+        The angular velocity is changed too, so that the gap stays closed.
         """
         time, (angle,), (rate,) = state
         joint = self._root * rect(1.0, self._mechanism.root_angle(time))

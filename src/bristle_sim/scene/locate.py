@@ -130,7 +130,7 @@ def first_change(
 
 
 def _change(event: Event, interval: Interval) -> tuple[float, float] | None:
-    """Return an event's values at both ends of an interval; None if it does not trigger in it."""
+    """Return an event's values at an interval's ends; None if the event does not trigger there."""
     sign = event.sign
     right = event.at(interval.end)
     noise = event.noise

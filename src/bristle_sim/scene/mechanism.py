@@ -209,8 +209,7 @@ class Mechanism:
     def speed_bound(self, state: State) -> float:
         """Return an upper bound of the speed of every point, and of two points' relative speed.
 
-        The bound holds as long as no link's angular velocity exceeds that in ``state`` in
-        magnitude.
+        The bound holds as long as no link rotates faster than in ``state``.
         """
         bound = min(self.wires, 2) * self.hub_radius * abs(self.hub_speed)
         for link, rate in zip(self.links, state.rates, strict=True):

@@ -60,8 +60,8 @@ class Motion:
         separating: pairs that have been released but whose gaps are still closed.
         rigid: forces of the rigid contacts; None without rigid contacts.
         forces: forces of the contacts with springs.
-        limit: longest next interval, in engine time units. It is short at the beginning of a
-            contact, which may end at once.
+        limit: upper bound of the next interval's length, in engine time units. It is small at the
+            beginning of a contact, which may end at once.
         release_in: length of the next interval that is expected to contain the release of a rigid
             contact; infinite if no release is expected.
         before: result at the end of the last interval; None in the first interval.
@@ -183,8 +183,8 @@ def _lost(
     """Return the event that ends a rigid contact or its stick; None if the interval is too long.
 
     A contact that would have to pull is released. A sticking contact whose tangential force exceeds
-    the friction limit begins to slip. A contact that would also have to pull is not released: its
-    normal force in stick depends on friction, and in slip the contact may push.
+    the friction limit begins to slip. If both occur, the contact begins to slip and no contact is
+    released: the normal forces in stick depend on friction, and in slip all contacts may push.
 
     Args:
         system: the run.

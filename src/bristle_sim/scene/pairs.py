@@ -31,7 +31,7 @@ between the bar's centre and the wire's centre line, a rounding error of 1e-16 t
 
 
 class ClosestApproach(NamedTuple):
-    """The contact point, the point of a link closest to an obstacle, with its gap; engine units.
+    """The contact point of a link, which is its point closest to an obstacle; engine units.
 
     Attributes:
         gap: distance of link and obstacle; negative if they overlap.
@@ -84,7 +84,7 @@ def _nearest(point: complex, line: Line) -> complex:
 
 
 SAME_FRICTION = property(attrgetter("friction"))
-"""Coefficient of friction in restitution that equals the coefficient in compression."""
+"""Property of a pair: its coefficient of friction in restitution, equal to that in compression."""
 
 
 class FixedPair(ABC):
@@ -107,7 +107,9 @@ class FixedPair(ABC):
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the link; if two segments touch, that of the faster one.
+        """Return the closest approach of the link.
+
+        Of two equally close segments the one that approaches faster is taken.
 
         Args:
             poses: positions and joint velocities of all links.

@@ -24,7 +24,7 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, T
 def trajectories_in_si(
     tool: Tool, system: System, units: Units, parameters: dict[str, Any]
 ) -> tuple[Trajectory, ...]:
-    """Return one trajectory for each wire, in SI units, from a system that has run.
+    """Return one trajectory for each wire, in SI units, from the record of a run.
 
     Args:
         tool: the tool that was simulated.
@@ -105,7 +105,7 @@ def motion_in_si(
 
 
 def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -> tuple[Event, ...]:
-    """Return a wire's events in SI units, with at most one event of largest retraction.
+    """Return a wire's events in SI units; lesser maxima of the retraction are left out.
 
     The run has recorded every local maximum of the retraction. Of these only the largest one before
     the strike is returned, or the largest one of a run without a strike. No maximum is returned if

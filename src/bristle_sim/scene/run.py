@@ -316,8 +316,8 @@ def _after_spring_event(
 def _add_limit_error(system: System, spring: SpringContact) -> None:
     """Add the difference between a contact with a spring and the impact law to the run's error.
 
-    The difference is the largest one of an angular velocity after the contact. It is added only if
-    the contact represents the rigid-body limit.
+    The difference is that of the links' angular velocities after the contact; the largest one
+    counts. It is added only where the impact law predicts how the contact ends.
     """
     if system.follows_law:
         law = system.law_of(spring.pair)

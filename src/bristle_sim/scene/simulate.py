@@ -59,7 +59,7 @@ PLACE_KEYS = {
 
 @dataclass(frozen=True, slots=True)
 class StartRelativeToHub(Declared):
-    """A start with the same angle and angular velocity of every wire relative to its root.
+    """The hub's angle at the start, and every wire's angle and angular velocity relative to it.
 
     Every number is checked against its declared range.
     """
@@ -245,7 +245,7 @@ time c/k. For several links it is the number that damping or vibration requires 
 def samples_per_period(settings: Settings) -> int:
     """Return the least number of samples in a period of the bristle on its belt.
 
-    The number is that of the settings. If they have none, it follows from the accuracy: the
+    It is the number in the settings. If the settings state none, it follows from the accuracy: the
     relative error of cubic interpolation is h^4/384 for samples at intervals of h rad of the
     oscillation.
     """

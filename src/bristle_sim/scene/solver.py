@@ -30,12 +30,12 @@ Integration*, sec. II.4 and V.1).
 
 **Contacts.** The impulses p at sustained contacts keep the contacts closed. The rows R give the
 contact velocities that must be zero: the normal velocities, and the slip velocities in stick. The
-rows Q give the directions in which the impulses act, friction included. Then
+rows Q give the directions in which the impulses act, friction included. With the matrix
+A = B^T M B + s C,
 
-    (R M^-1 Q^T) p = -R w - u,    change of w = M^-1 Q^T p,
+    (R A^-1 Q^T) p = -R w - u,    change of w = A^-1 Q^T p,
 
-where M is now the matrix B^T M B + s C from above, and u holds the contact velocities that the
-motion of the roots causes.
+where u holds the contact velocities that the motion of the roots causes.
 """
 
 from __future__ import annotations

@@ -235,9 +235,9 @@ class SpringContact(ActiveContact):
 
     @property
     def least_slip_at_rest(self) -> float:
-        """Least velocity of slip at constant penetration; 0 without a tangential spring.
+        """Slip velocity down to which a phase is "slip at rest"; 0 without a tangential spring.
 
-        Below it the tangential spring oscillates slowly enough to be simulated.
+        Below this velocity the tangential spring oscillates slowly enough to be simulated.
         """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (law.deepest or 0.0)
@@ -276,7 +276,9 @@ def spring_forces(scene: Scene, springs: Sequence[SpringContact]) -> list[Spring
 def _begin_force(
     scene: Scene, spring: SpringContact, step: float
 ) -> tuple[Callable[[], None], Callable[[], list[float]]]:
-    """Begin the force of a contact, in its present phase, for steps of the length ``step``.
+    """Return the two functions of a ``SpringForce`` for a contact in its present phase.
+
+    ``step`` is the length of the steps in which the functions are called.
 
     In stick without a tangential spring, the tangential force in a step of length h cancels the
     slip velocity v_t of the previous step. It is -(K_nt N + v_t/h)/K_tt, with the normal force N
@@ -284,9 +286,6 @@ def _begin_force(
     instead, and is -(K_nn N + v_n/h)/K_nt. The force in the second step stands for the force at the
     interval's beginning. The force that a further step would have stands for the force at its end.
     The errors of both are power series in h, so extrapolation removes them.
-
-    Returns:
-        The functions that ``SpringForce`` describes.
     """
     pair = spring.pair
     law = spring.law

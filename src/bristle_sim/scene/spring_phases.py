@@ -32,8 +32,8 @@ PROBED_FRACTION = 0.02
 fraction of the contact's duration."""
 
 CONE_ROUNDING = 1e-9
-"""Largest difference between a force in stick and the friction limit, as a fraction of the limit,
-that is rounding error if the force exceeds the limit."""
+"""Largest excess of a force in stick over the friction limit, as a fraction of the limit, that
+counts as rounding error."""
 
 
 def begin_spring(

@@ -19,7 +19,7 @@ from bristle_sim.settings import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
 # Largest distance between a contact point and a link's end, as a fraction of the link's length, at
-# which the contact is one of that end.
+# which the contact counts as at that end.
 AT_JOINT = 1e-9
 
 GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in engine units
@@ -56,7 +56,8 @@ class Plan:
         scale: angular velocity by which errors of the motion are divided, at most 1.
         single_contact: whether the run simulates a single contact. Extremes of the motion are then
             not recorded as events.
-        instant: shortest time resolved. No force moves a link by more than the accuracy within it.
+        instant: shortest time that is resolved. Within this time no force moves a link by more than
+            the accuracy.
         shortest: length of an interval within which the fall of a contact force to zero is not
             resolved. The force counts as zero from the interval's start.
         first_interval: upper bound of the first interval after a contact begins. The bound grows
@@ -281,9 +282,10 @@ class System:
     def behind_joint(self, pair: ContactPair, active: Sequence[ContactPair], end: State) -> bool:
         """Return whether a link can touch the bar only at a joint that is already in contact.
 
-        The link shares this joint with a neighbour in contact. The result is True if, at present,
-        the joint is the link's point closest to the bar, and if it is also closest at ``end`` or
-        the gap is closed. Otherwise the link may touch the bar at another point.
+        The link shares this joint with a neighbour in contact. The result is True on two
+        conditions. At present the joint must be the link's point closest to the bar. It must be the
+        closest point at ``end`` too, or the present gap must be closed. Otherwise the link may
+        touch the bar at another point.
 
         Args:
             pair: the link and the bar.

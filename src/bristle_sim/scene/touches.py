@@ -1,8 +1,8 @@
-"""The search for the first event in an interval, which misses no touch of a link and an obstacle.
+"""The first event in an interval, found by a search that misses no touch.
 
-The zero of a gap is searched on the interval's interpolating polynomial by conservative advancement
-(Mirtich 1996): a gap g cannot close before the time g / (largest speed), so a step of this length
-cannot pass a touch.
+A touch is a zero of the gap between a link and an obstacle. It is searched on the interval's
+interpolating polynomial by conservative advancement (Mirtich 1996): a gap g cannot close before the
+time g / (largest speed), so a step of the search of this length cannot pass a touch.
 """
 
 from __future__ import annotations
