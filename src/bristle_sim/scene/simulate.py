@@ -59,7 +59,7 @@ PLACE_KEYS = {
 
 @dataclass(frozen=True, slots=True)
 class StartRelativeToHub(Declared):
-    """The hub's angle at the start, and every wire's angle and angular velocity relative to it.
+    """The start: the hub's angle, and the wires' angles and angular velocities relative to the hub.
 
     Every number is checked against its declared range.
     """
