@@ -212,7 +212,7 @@ def _anchored(joint: Any) -> Guided:
     """Return the anchors and the constrained directions of a pivot, pin or slide joint.
 
     A pivot joint keeps the two anchors together, a pin joint keeps their distance constant, and a
-    slide joint keeps it within limits.
+    slide joint keeps their distance within limits.
     """
     ends = world(joint.a, joint.anchor_a), world(joint.b, joint.anchor_b)
     if isinstance(joint, pymunk.PivotJoint):

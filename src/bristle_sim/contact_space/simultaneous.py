@@ -62,7 +62,7 @@ def resolve_at_once(
         resting: approach speed up to which a point has no restitution.
 
     Returns:
-        The impact of each point. The sum of their work is the change of the kinetic energy.
+        The impact of each point. The work of all impacts is the change of the kinetic energy.
     """
     bodies, joints = connected
     motion.kick(bodies, -0.5)

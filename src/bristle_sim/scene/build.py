@@ -213,7 +213,7 @@ class Scene:
         return State(time, tuple(angles), tuple(values[links : 2 * links]))
 
     def step_alone(self, length: float) -> None:
-        """Take one step of the engine that ``joint_solver`` does not correct.
+        """Take one engine step, without the correction of velocities by ``joint_solver``.
 
         The solver of the next step does not start from the joint impulses of this step.
         """
@@ -298,8 +298,8 @@ class Scene:
 
         The joints are replaced by new ones, which have no stored impulses from which a step would
         start. The bodies are placed, which makes their rotations finite. Their positions become
-        finite when they are placed the next time, because the engine adds the old rotation times
-        zero to a position.
+        finite when they are placed the next time: the engine adds zero times the old rotation to a
+        position, which is NaN if that rotation is not finite.
         """
         space = self.space
         springs = [each for each in space.constraints if each not in self.joints]

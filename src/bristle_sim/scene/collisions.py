@@ -239,8 +239,8 @@ def propagate_error(
     def neighbour(off: float, late: float) -> ClosestApproach:
         """Return the closest approach of a neighbouring motion at a time after the touch.
 
-        ``off`` is the difference of its angular velocities from the simulated ones, ``late`` the
-        time after the touch.
+        ``off`` is the angular velocity of each link in this motion minus the simulated one,
+        ``late`` the time after the touch.
         """
         moving = [rate + off for rate in before.rates]
         angles = [a + error + late * u for a, u in zip(before.angles, moving, strict=True)]

@@ -62,7 +62,7 @@ SAMPLES_OF_A_SWING = 5
 
 @dataclass(eq=False)
 class CompliantLaw(ContactLaw):
-    """The law of contacts that last some time, with a spring between the two points.
+    """The law of contacts that last some time: a spring acts between wire and workpart.
 
     The spring's stiffness is given, or it follows from the duration of the contact or from the
     accuracy.

@@ -228,14 +228,17 @@ class RigidContacts:
         return found
 
     def fails(self, totals: Sequence[float]) -> bool:
-        """Return whether any contact would have to pull to stay closed."""
+        """Return whether any contact would have to pull to stay closed.
+
+        ``totals`` is a list as the method ``totals`` returns it.
+        """
         return min(totals[: NUMBERS * len(self.closed) : NUMBERS]) <= 0.0
 
     def spare_friction(self, totals: Sequence[float], index: int) -> float:
         """Return the friction limit of a contact minus the magnitude of its tangential force.
 
-        ``totals`` are the interval's forces and sums of all contacts, ``index`` is the contact's
-        place among the closed contacts.
+        ``totals`` is a list as the method ``totals`` returns it, ``index`` the index of the contact
+        in ``closed``.
         """
         sums = sums_of(totals, index)
         return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
@@ -243,7 +246,8 @@ class RigidContacts:
     def breaks_away(self, totals: Sequence[float]) -> int | None:
         """Return the index of the first sticking contact whose force exceeds the friction limit.
 
-        Return None if there is no such contact.
+        Return None if there is no such contact. ``totals`` is a list as the method ``totals``
+        returns it.
         """
         for index, contact in enumerate(self.closed):
             if contact.slip == 0 and self.spare_friction(totals, index) < 0.0:
@@ -253,9 +257,12 @@ class RigidContacts:
     def compliance_in_slip(self, state: State, index: int) -> float:
         """Return the relative compliance of a contact in slip, dimensionless.
 
-        It is the change of the normal velocity that a unit normal impulse and its friction cause,
-        divided by the change that the normal impulse would cause without joints and friction. If it
-        is not positive, friction or geometry locks the link: no force keeps the contact closed.
+        A unit normal impulse and its friction change the normal velocity. The relative compliance
+        is this change, divided by the change that the normal impulse would cause without joints and
+        friction. If it is not positive, friction or geometry locks the link: no force keeps the
+        contact closed.
+
+        ``index`` is the index of the contact in ``closed``.
         """
         contact = self.closed[index]
         pair = contact.pair

@@ -281,19 +281,19 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         return spring.surface - touch(at.state).gap
 
     def rest_margin(which: int, at: IntervalResult) -> float:
-        """Return one of ``SpringContact.rest_margins``, selected by index, divided by k T."""
+        """Return the margin ``which`` of ``SpringContact.rest_margins``, as a velocity."""
         margins = spring.rest_margins(depth(at), sums_of(at.totals, index).tangential)
         return margins[which] / (spring.law.stiffness * duration)
 
     def spare(at: IntervalResult) -> float:
-        """Return the friction limit minus the tangential force's magnitude, divided by k T."""
+        """Return the friction limit minus the tangential force's magnitude, as a velocity."""
         force = sums_of(at.totals, index).tangential
         if spring.elastic:
             force = spring.law.tangential_force(system.along(pair, at.state), spring.foot)
         return spring.spare_friction(depth(at), force) / (spring.law.stiffness * duration)
 
     def left(at: IntervalResult) -> float:
-        """Return the time until the contact is too long for an impact, divided by T."""
+        """Return the time until the contact is too long for an impact, in contact durations."""
         return OVERDUE_DURATIONS - (at.state.time - spring.start.time) / duration
 
     falls = partial(Event, subject=spring, tolerance=tolerance)

@@ -100,7 +100,7 @@ class Repetitions:
 
     Attributes:
         counts: number of steps of each repetition.
-        power: power p of the step h; the error of a result is a polynomial in h^p.
+        power: power p of the step length h; the error of a result is a polynomial in h^p.
         costs: total cost, as a number of engine steps.
         first_order: weights for results whose error is a polynomial in h.
         weights: weights for results whose error is a polynomial in h^p.

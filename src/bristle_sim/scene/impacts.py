@@ -139,7 +139,7 @@ class ContactLaw(ABC):
 
 @dataclass(frozen=True)
 class EnergeticLaw(ContactLaw):
-    """The instantaneous law of Stronge's energetic restitution with Coulomb friction.
+    """Stronge's instantaneous impact law: energetic restitution and Coulomb friction.
 
     Attributes:
         accuracy: relative error of the velocities before the impact, and error (rad) of the links'

@@ -88,7 +88,7 @@ SAME_FRICTION = property(attrgetter("friction"))
 
 
 class FixedPair(ABC):
-    """The base class of pairs with a fixed obstacle."""
+    """Base class of the pairs whose obstacle is fixed: the bar or the workpart."""
 
     link: int
     partner: ClassVar[None] = None
@@ -325,7 +325,8 @@ def contact_rows(
     Each has the shape (pairs, links). An entry is the lever, about a link's joint, of the contact's
     normal n or of its tangent. With the arm r the lever of the normal is Re(i conj(n) r), and the
     lever of the tangent is -Im(i conj(n) r). For the touching link r is the vector from its joint
-    to the contact point. For a link nearer the root r is the vector from its joint to its tip.
+    to the contact point. For a link nearer the root r is the vector from its joint to its tip. The
+    entries of the other wire, if the obstacle is a link, have the opposite sign.
 
     Args:
         mechanism: the mechanism.

@@ -139,9 +139,10 @@ class SpringContact(ActiveContact):
         self.law = replace(self.law, deepest=penetration)
 
     def phase_names(self, *, jams: bool) -> tuple[str, ...]:
-        """Return the names of the phases in order, without those shorter than ``LEAST_PHASE``.
+        """Return the names of the phases in order, without those that are too short.
 
-        If the contact jams, its last phase is always named.
+        A phase is too short if its normal impulse is below the fraction ``LEAST_PHASE`` of that of
+        the contact. If the contact jams, its last phase is always named.
         """
         ends = [*(phase.impulse for phase in self.phases[1:]), self.impulse[0]]
         names: list[str] = []
@@ -255,7 +256,7 @@ class SpringContact(ActiveContact):
     def set_foot(self, penetration: float, place: float) -> bool:
         """Attach the tangential spring to the surface so that its force does not jump.
 
-        The force is limited to the friction limit. Return whether it is at the limit.
+        The force is limited to the friction limit. Return whether the force is at this limit.
 
         Args:
             penetration: present penetration.

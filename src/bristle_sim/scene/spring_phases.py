@@ -191,9 +191,9 @@ def _slips_at_rest(system: System, motion: Motion, spring: SpringContact) -> boo
     force takes the value between the two that keeps the normal velocity at zero.
 
     If friction presses the point into the surface, the friction of restitution is the greater one.
-    If friction lifts the point, which other bodies press in, it is the smaller one. With a
-    tangential spring the force oscillates between the two; the mean of a fast oscillation is the
-    same friction force.
+    If friction lifts the point, which other bodies press in, the friction of restitution is the
+    smaller one. With a tangential spring the force oscillates between the two; the mean of a fast
+    oscillation is the same friction force.
     """
     coupling = spring.inverse_mass[0][1]
     law = spring.law
@@ -270,7 +270,8 @@ def _probe(system: System, motion: Motion, spring: SpringContact) -> tuple[Inter
     """Integrate over a short trial interval, with the contact in its present phase.
 
     Returns:
-        The result of the interval, and the contact's forces, impulses and work in it.
+        The result of the interval.
+        The contact's forces, impulses and work in the interval.
     """
     others = [other for other in motion.springs if other is not spring]
     forces = spring_forces(system.scene, [spring, *others])

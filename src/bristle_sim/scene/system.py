@@ -78,7 +78,7 @@ class Plan:
     first_interval: float = field(init=False)
 
     def __post_init__(self) -> None:
-        """Compute the three short lengths of time from the requested accuracy."""
+        """Compute ``instant``, ``shortest`` and ``first_interval`` from the accuracy."""
         self.instant = min(1e-2, max(1e-5, math.sqrt(self.accuracy))) * self.time_scale
         self.shortest = max(1e-9, 0.1 * self.accuracy) * self.time_scale
         longest = max(self.instant, self.longest_interval / MOST_GROWTH)
@@ -185,7 +185,7 @@ class System:
     def follows_law(self) -> bool:
         """Whether the impact law predicts how a contact with a spring ends.
 
-        It does so in the rigid-body limit, and in the simulation of a single contact of rigid
+        The law does so in the rigid-body limit, and in the simulation of a single contact of rigid
         links. In any other contact the links may move noticeably while the spring acts.
         """
         single = self.plan.single_contact and not self.scene.effects.hinge[0]

@@ -90,7 +90,7 @@ def tool_units(tool: Tool) -> Units:
 
     The units of length and mass are those of the bristle. The unit of time is the reciprocal of the
     hub's angular velocity, or of the bristle's natural angular frequency under belt, centrifugal
-    force and gravity if this is larger.
+    force and gravity if that frequency is larger.
     """
     stiffness = tool.belt.stiffness + tool.bristle.mass * (
         tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2

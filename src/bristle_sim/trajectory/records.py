@@ -288,9 +288,9 @@ class ContactRecord:
         The normal impulse p_n is divided by the normal impulse that would cause the same change
         dv_n of the normal velocity without friction. An impulse p changes the velocity by dv = K p,
         with the contact-space inverse mass matrix K. Without friction the normal impulse is thus
-        dv_n/K_nn. For a rod of one degree of freedom K has rank one, and the factor is p_n dv_n/(p
-        . dv). It is 1 without friction, and infinite if the impulse points along the wire and moves
-        nothing.
+        dv_n/K_nn. For a rod of one degree of freedom K has rank one, and the factor is p_n
+        dv_n/(p_n dv_n + p_t dv_t). It is 1 without friction, and infinite if the impulse points
+        along the wire and moves nothing.
         """
         normal, tangential = (
             after - before
