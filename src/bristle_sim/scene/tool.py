@@ -216,7 +216,11 @@ def wire_hinge(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[f
 def wire_pairs(
     mechanism: Mechanism, wire_radius: float, friction: float, restitution: float
 ) -> Iterator[WirePair]:
-    """Yield a pair for each combination of two straight segments of different wires."""
+    """Yield a pair for each combination of two straight segments of different wires.
+
+    The radius of the wires (engine units), their friction and their restitution are the same in all
+    pairs.
+    """
     numbered = [
         (link, piece)
         for link, each in enumerate(mechanism.links)
