@@ -91,8 +91,8 @@ class Bristle(Declared):
     """Slender wire, straight or with one knee.
 
     It is one rigid rod, or a chain of equal rigid links that bends at the joints. If no mass is
-    given, the mass is the density times the wire's volume. ``dataclasses.replace`` computes such a
-    mass anew, but preserves a mass that was given.
+    given, the mass is the density times the wire's volume. In a changed copy
+    (``dataclasses.replace``) such a mass is computed anew, but a given mass stays the same.
     """
 
     length: float = quantity(

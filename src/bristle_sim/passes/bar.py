@@ -112,8 +112,8 @@ def closest(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Clos
 def levers(
     passes: Passes, hub_angle: Array, angle: Array, rate: Array
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Return the velocity of the point of the wire's surface that touches the bar, and its lever
-    arms.
+    """Return the lever arms and the velocity of the point at which each wire's surface touches the
+    bar.
 
     A lever arm is the derivative of a velocity component with respect to the wire's angular
     velocity. The normal points from the bar to the wire. The tangent is the normal rotated clockwise
@@ -123,7 +123,7 @@ def levers(
         The lever arms of the normal and of the tangential velocity.
         The normal and the tangential velocity.
         The side: 1 for a wire behind the bar, which holds the wire back, and -1 for a wire ahead of
-        it.
+        the bar.
     """
     near = closest(passes, hub_angle, angle, rate)
     normal = -near.offset / np.abs(near.offset)

@@ -188,7 +188,7 @@ def _impact(
 def _set_foot(each: Compliant, touch: Touch, rounding: float) -> None:
     """Determine whether the foot of a tangential spring sticks or slides, and the sense of slip.
 
-    The foot is the end of the spring at the obstacle. If it sticks, it is moved so that the
+    The foot is the end of the spring at the obstacle. A sticking foot is moved so far that the
     spring's force does not exceed the friction limit. ``rounding`` is the rounding error of a slip
     velocity, m/s.
     """
@@ -235,7 +235,7 @@ def change_phase(system: System, each: Compliant, deepest: float | None, state: 
     """Change the normal spring of a contact from loading to unloading or back.
 
     The tangential force stays the same unless it exceeds the new friction limit. ``deepest`` is the
-    penetration (m) from which the spring unloads; None if it is loaded.
+    penetration (m) from which the spring unloads; None if the spring is loaded from now on.
     """
     _hold_foot(system, each, state)
     each.law = replace(each.law, deepest=deepest)

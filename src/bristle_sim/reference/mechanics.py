@@ -2,9 +2,9 @@
 
 Points of the plane are complex numbers x + iy. The unknowns are the links' absolute angles theta. A
 vector that is fixed on a link is given for the unstressed wire at angle 0, whose shank points along
--i. At the angle theta this vector is multiplied by e^{i theta}. The root is at z_0(t). With the
-vector u_k from the joint of link k to the next joint and the vector g_k to its centre of mass, the
-centre of link i is at
+-i. At the angle theta this vector is multiplied by e^{i theta}. The root is at z_0(t). Two vectors
+start at the joint of link k that is nearer to the root: u_k ends at the next joint, g_k at the
+centre of mass of link k. The centre of mass of link i is at
 
     c_i = z_0(t) + sum_k a_ik e^{i theta_k},    a_ik = u_k for k < i, g_i for k = i, 0 otherwise,
 
@@ -14,10 +14,10 @@ a_ij,
     sum_k [Re(conj(E_j) W_jk E_k) + J_j delta_jk] theta_k'' =
         sum_k Im(conj(E_j) W_jk E_k) theta_k'^2 - Re(conj(i B_j E_j) (z_0'' + i g)) + springs,    E_k = e^{i theta_k}.
 
-m_i is the mass of link i and J_j the inertia of link j about its centre. The links have equal
-lengths along the wire; the link with the wire's knee is bent. Belt and hinges are torsion springs
-and dampers. They are all unstressed if every link has the hub's angle. Wire k of a row has its own
-root at the hub angle psi_k + omega t. Only contacts couple the links of two wires.
+m_i is the mass of link i, J_j the inertia of link j about its centre and g gravity. The links have
+equal lengths along the wire; the link with the wire's knee is bent. Belt and hinges are torsion
+springs and dampers. All springs are unstressed if every link has the hub's angle. Wire k of a row
+has its own root at the hub angle psi_k + omega t. Only contacts couple the links of two wires.
 """
 
 from __future__ import annotations

@@ -169,9 +169,9 @@ class Run:
 
         The absolute tolerance of each unknown is the relative tolerance times a bound of that
         unknown. During a contact with springs, an error of an angle causes an error of the angular
-        velocity. The latter is the error of the angle times the angular frequency of the motion on
-        the springs. If it would exceed the tolerance of the angular velocity, the tolerance of the
-        angle is reduced.
+        velocity: the error of the angle times the angular frequency of the motion on the springs.
+        The tolerance of the angle is reduced until this error does not exceed the tolerance of the
+        angular velocity.
         """
         chain = self.system.chain
         size = self.system.size

@@ -30,7 +30,7 @@ RATE_ROUNDING = 1e-13
 REST = 1e-10  # largest speed that counts as rest, as a fraction of the bound of all speeds
 REST_OF_FASTEST = 1e-3
 """Least angular velocity that enters the bound of all speeds, as a fraction of the tool's highest
-angular frequency. It acts where the hub and all links are slow."""
+angular frequency. It counts only where the hub and all links are slower."""
 
 SLIP_ROUNDING = 1e-3
 """Rounding error of a slip velocity, as a fraction of the largest speed that counts as rest. It is

@@ -81,8 +81,8 @@ class ContactSpring:
     def steepness(self) -> float:
         """Present normal stiffness divided by that in loading.
 
-        This ratio kappa is 1 in loading and 1/e*^2 in unloading. Without restitution (e* = 0) it is
-        0 in unloading, because there is no force.
+        This ratio kappa is 1 in loading and 1/e*^2 in unloading. Without restitution (e* = 0) kappa
+        is 0 in unloading, because there is no force.
         """
         if self.deepest is None:
             return 1.0
@@ -147,7 +147,8 @@ def stiffness_for_duration(
     to the square root of the stiffness. In a phase of the impact let a be the change of the normal
     velocity v per unit normal impulse. With a stiffness of 1 the normal force N and v obey v' = a
     N, and N' = -v in loading or N' = -v/e*^2 in unloading. The phase is therefore part of a
-    harmonic motion. Its duration follows from v and N at its ends, which the impact law gives.
+    harmonic motion. The duration of the phase follows from v and N at its start and at its end, which
+    the impact law gives.
 
     Args:
         impact: result of the rigid-body law for the same impact.

@@ -230,9 +230,9 @@ def energy_crater_depth(
 ) -> Number:
     """Return the crater depth from energy, by a sum of quotients that grows with ``plies``, m.
 
-    The depth is cos(gamma) sum_i (dE_i/R_i) (Zhang 2020, eqs. 4.62-4.65). dE_i is the kinetic
-    energy lost in the time step i of ``plies`` equal steps, R_i the force at its end, gamma the
-    impact angle (rad).
+    The depth is cos(gamma) sum_i (dE_i/R_i) (Zhang 2020, eqs. 4.62-4.65). The compression time (s)
+    is divided into ``plies`` equal steps. dE_i is the kinetic energy lost in step i, R_i the force
+    at the end of step i, and gamma the impact angle (rad).
 
     >>> print(f"{1e3 * energy_crater_depth(300):.2f} mm")  # 75.8 um are printed
     9.65 mm

@@ -1,18 +1,19 @@
 """The shape of one crater that a tip cuts into a plane, as a formula.
 
 x runs along the slide and y across it, from the middle of the crater's outline. ``shape`` is the
-height of the crater's surface above its lowest point. After the cut the ground is the lower one of
-the old ground and the shape. The shape is defined beyond the outline too, for a tip that meets
-higher ground. Lengths in m.
+height of the crater's surface above the crater's lowest point. After the cut the ground is at each
+place the lower one of the old ground and the shape. The shape is defined beyond the outline too,
+for a tip that meets higher ground. Lengths in m.
 
 ``SweptTip``: the tip's face, half an ellipse, moves along a straight path that descends at the
-impact angle gamma. The edge of the face is z_e(y) = D (1 - sqrt(1 - (2 y/d)^2)) above its lowest
-point, with the wire's diameter d and the depth D at which the cut is as wide as the wire. From the
-edge the face rises forward at phi = 28 deg to the surface (Zhang 2020, eqs. 4.9-4.14). Behind the
-tip's last position x_t the height of the floor is therefore z_e(y) (1 + tan(gamma)/tan(phi)) - (x -
-x_t) tan(gamma). Ahead of x_t the crater ends in the imprint of the face, whose height is (x - x_t)
-tan(phi). At a depth of 106 um the volume of this shape is 6 % larger than the chip volume V of
-``crater_cutting``; with an upright wall at its end it would be 42 % smaller.
+impact angle gamma. The edge of the face is z_e(y) = D (1 - sqrt(1 - (2 y/d)^2)) above the lowest
+point of the face, with the wire's diameter d and the depth D at which the cut is as wide as the
+wire. From the edge the face rises forward at phi = 28 deg to the surface (Zhang 2020, eqs.
+4.9-4.14). Behind the tip's last position x_t the height of the floor is therefore
+z_e(y) (1 + tan(gamma)/tan(phi)) - (x - x_t) tan(gamma). Ahead of x_t the crater ends in the imprint
+of the face, whose height is (x - x_t) tan(phi). At a depth of 106 um the volume of this shape is
+6 % larger than the chip volume V of ``crater_cutting``. With an upright wall instead of the imprint
+the volume would be 42 % smaller than V.
 
 ``Paraboloid``: 4 depth (x^2/length^2 + y^2/width^2), a crater of given depth, length and width.
 """
@@ -133,7 +134,7 @@ class SweptTip:
         """Return the height of the crater's surface above its lowest point, m, shape (y, x).
 
         The grid consists of all pairs of the coordinates ``x`` along and ``y`` across the slide, m.
-        The height is infinite farther from the middle than the wire's radius.
+        Where |y| exceeds the wire's radius, the height is infinite.
         """
         sine = 2.0 * np.abs(y) / self.face.short_axis
         edge = self.face.full_depth * (1.0 - np.sqrt(np.maximum(1.0 - sine**2, 0.0)))

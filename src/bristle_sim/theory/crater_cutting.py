@@ -51,7 +51,7 @@ NEWTON_STEPS = 60  # largest number of Newton steps; about ten suffice from thes
 
 @dataclass(frozen=True, slots=True)
 class ContactCrater:
-    """The compression of a contact, up to the deepest penetration, and the crater it cuts.
+    """The compression of a contact, up to the deepest penetration, and the crater that is cut.
 
     Attributes:
         compression_time: time from first touch to deepest penetration, s.

@@ -114,8 +114,8 @@ class TipFace:
         short_axis: short axis of the ellipse, which is the wire's diameter, m.
         tilt: angle between the face's normal and the wire's axis, rad; measured as 39.5 deg (fig.
             4.5).
-        face_angle: angle of the face to the surface, rad. Eq. 4.10 takes 28 deg. The rake angle,
-            the impact angle plus 11.5 deg (4.36), would give 55.1 deg.
+        face_angle: angle of the face to the surface, rad. Eq. 4.10 takes 28 deg. From the rake
+            angle, the impact angle plus 11.5 deg (4.36), it would be 55.1 deg.
     """
 
     short_axis: float = 7.1e-4

@@ -11,8 +11,8 @@ Between contacts, with alpha the bristle's angle relative to the radial directio
     I alpha'' + c alpha' + k alpha + g sin alpha = 0,    g = m r_h (L/2) omega^2.
 
 The dissertation has c = g = 0. The centrifugal stiffness g comes from the force m r_h omega^2 that
-acts on the centre of mass in the frame of the rotating root. Its lever about the root is (L/2) sin
-alpha.
+acts on the centre of mass in the frame of the rotating root. The lever of this force about the root
+is (L/2) sin alpha.
 
 Arguments are floats or arrays that broadcast, in SI units and rad. Functions raise ValueError where
 the geometry or the motion does not exist, and where the tool lacks a bar or a workpart.
@@ -321,7 +321,7 @@ def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float
     The bar stands at S sin(A + theta_1 + gamma) along the workpart and S cos(A + theta_1 + gamma)
     normal to it (Zhang 2020, eq. 2.1), with the tip lag A, the hub's rotation theta_1 in the cue
     time and the impact angle gamma. S is the tip's distance from the hub's centre plus the bar's
-    radius plus half the wire's diameter, which the dissertation neglects.
+    radius plus half the wire's diameter. The dissertation neglects the half diameter.
 
     Args:
         tool: the tool; it must have a bar and a workpart.

@@ -70,7 +70,7 @@ class ForceCurve:
             amplitude: dimensionless amplitude c.
             decay: decay rate lambda, 1/s.
             peak_force: force F* that scales the curve, N. The largest force of the curve differs
-                from it.
+                from F*.
             duration: duration t_f of the contact, s.
         """
         lead = LEAD_RATIO * duration

@@ -87,8 +87,8 @@ def energetic_impact(
         restitution_friction: coefficient of friction in restitution, by default equal to
             ``friction``.
         stick_compliance: change of v_n per unit normal impulse while the point does not slip, K_nn
-            - K_nt^2/K_tt, 1/kg. Give it if it is known to more digits than this difference: at a
-            mass ratio of 1e12 the difference has only four correct digits.
+            - K_nt^2/K_tt, 1/kg; by default this difference. Give the value if it is known to more
+            digits: at a mass ratio of 1e12 the difference has only four correct digits.
         tangential_compliance: ratio eta^2 of the contact's normal to its tangential stiffness, from
             0 (rigid along the surface) to 1e4, shape (...). Two bodies of one elastic material have
             (2 - nu)/(2 (1 - nu)), nu being Poisson's ratio (``impact_compliance``). Below 1e-4 the

@@ -105,9 +105,9 @@ class Course:
     Attributes:
         contact: the contact in its present state.
         initial: sense of slip at the start.
-        totals: normal and tangential impulse, normal and tangential work, and slip, for each of the
-            four phases of ``impact_phases.PHASES``, shape (4, 5). The phase "after slip" collects
-            everything after the first stick or slip.
+        totals: normal and tangential impulse, normal and tangential work, and sense of slip, for
+            each of the four phases of ``impact_phases.PHASES``, shape (4, 5). The phases "after
+            slip" collect everything after the first stick or slip.
         row: index of the present phase in ``totals``.
         slip_stop: normal impulse at which the initial slip stops.
         phases: number of consecutive phases that count towards ``MOST_IN_STICK`` and ``SETTLING``.
@@ -173,7 +173,8 @@ class Course:
     def end_without_release(self) -> int:
         """Return the outcome of an impact that would never end.
 
-        The contact is set back to ``kept``. The outcome is a jam if the point moves into the surface, otherwise stiction.
+        The contact is set back to the state ``kept``. The outcome is a jam if the point moves into
+        the surface, otherwise stiction.
         """
         contact = self.contact
         pressed = contact.loading or contact.normal < -KNIFE_EDGE * contact.approach

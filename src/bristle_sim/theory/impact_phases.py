@@ -42,7 +42,7 @@ the normal work W would require an unbounded impulse W/v_n."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon
 """Change of the normal velocity per unit normal impulse in stick, as a fraction of K_nn, below
-which it is rounding error. The point then has one degree of freedom."""
+which this change is rounding error. The point then has one degree of freedom."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -264,7 +264,7 @@ def resolve_phases(
 def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
     """Return the inverse mass matrix with the normal compliance in stick, k_nn - k_nt^2/k_tt.
 
-    If ``stick`` is given, it is taken instead.
+    If ``stick`` (1/kg) is given, it replaces this compliance.
     """
     ratio = select(k_tt > 0.0, quotient(k_nt, k_tt), 0.0)
     if stick is None:

@@ -96,7 +96,7 @@ class Contact:
 
         Returns:
             The change of the contact point's normal velocity per unit normal impulse.
-            The change of its tangential velocity per unit normal impulse.
+            The change of the contact point's tangential velocity per unit normal impulse.
             The velocity of the foot in the sense of slip.
             The change of the foot's velocity per unit normal impulse.
         """

@@ -102,7 +102,7 @@ class Oscillator:
 
 @dataclass(slots=True)
 class EventFunction:
-    """A weighted sum of the two modes and a constant, whose first fall to zero is an event.
+    """A weighted sum of the two modes plus a constant. The event is the sum's first fall to zero.
 
     Attributes:
         modes: the fast and the slow mode.

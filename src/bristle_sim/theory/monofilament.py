@@ -31,8 +31,8 @@ from bristle_sim.theory.impact_phases import NO_CONTACT, NO_REBOUND, OUTCOMES, R
 from bristle_sim.theory.numbers import require
 
 LEAST_ANGLE = 1e-150
-"""Least impact angle, rad. Without friction, impulses are inversely proportional to it, and would
-overflow."""
+"""Least impact angle, rad. Without friction, impulses are inversely proportional to this angle, and
+would overflow."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,14 +8,14 @@ sqrt(E I_a/(m L^3)), where lambda solves
     sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda)
         = (k_T L/(E I_a)) (1 + cos(lambda) cosh(lambda))/lambda.
 
-Without the spring this is tan(lambda) = tanh(lambda), the hinged beam. With a rigid spring it is
-the cantilever.
+Without the spring (a hinged beam) this equation is tan(lambda) = tanh(lambda). With a rigid spring
+the beam is a cantilever.
 
 The chain consists of n equal rigid links of length l = L/n and mass m/n, hinged end to end with the
-torsion spring E I_a/l in each hinge. Unlike the beam, its first link does not bend at the root.
-With the root spring k_T the error of its frequencies is therefore of order 1/n. If the bending
-compliance of half a link is added to that of the root spring, 1/k = 1/k_T + l/(2 E I_a), the error
-is of order 1/n^2. All quantities are in SI units.
+torsion spring E I_a/l in each hinge. Unlike the beam, the chain does not bend at the root, because
+its first link is rigid. With the root spring k_T the error of the chain's frequencies is therefore
+of order 1/n. If the bending compliance of half a link is added to that of the root spring,
+1/k = 1/k_T + l/(2 E I_a), the error is of order 1/n^2. All quantities are in SI units.
 """
 
 from __future__ import annotations
