@@ -53,8 +53,8 @@ does not apply to a wire that has just left the bar: its end may touch the bar a
 has rotated by an angle of the order of ``reach``."""
 
 BEND = 0.5
-"""Longest path of the wire's end in a segment of a step near the bar, divided by ``reach``, the distance of
-the wire's centre line from the bar's centre when they touch."""
+"""Longest path of the wire's end in a segment of a step near the bar, divided by ``reach``, the
+distance of the wire's centre line from the bar's centre when they touch."""
 
 HOPS = 2.0
 """Longest step after a rebound from the bar, divided by ``hop`` (an attribute of ``Passes``).
@@ -217,8 +217,8 @@ def first_closing(
     gap = GAPS[obstacle]
 
     def gap_at(turn: Array, numbers: Chosen) -> Any:
-        """Return the gaps of the wires ``chosen[numbers]`` and their derivatives with respect to the
-        hub angle, after the hub has rotated by ``turn``.
+        """Return gaps of the wires ``chosen[numbers]``, and the derivatives of these gaps, after the
+        hub has rotated by ``turn``.
         """
         some = passes.take(chosen[numbers])
         gaps, rates = gap(some, some.hub_angle + turn, *motion(turn, chosen[numbers])[:2])[:2]

@@ -98,8 +98,8 @@ def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
 
 
 def lie(passes: Passes, accuracy: float) -> Chosen:
-    """Advance wires that lie on the bar to the end of the contact, or until the bar touches another
-    part of the wire.
+    """Advance wires that lie on the bar until the contact ends, or the bar touches another part of
+    the wire.
 
     The pressure between wire and bar is computed at the ends of the contact's segments. It is
     assumed to be positive within a segment if it is positive at both ends.

@@ -125,10 +125,10 @@ class ContactSpring:
 
 
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
-    """Return the normal stiffness at which a frictionless contact lasts a given time.
+    """Return the normal loading stiffness at which a frictionless contact lasts a given time, N/m.
 
-    The stiffness is k = (pi (1 + e*)/(2 T))^2/K_nn, with the duration T, the energetic coefficient
-    of restitution e* and the inverse mass K_nn along the normal.
+    The stiffness is k = (pi (1 + e*)/(2 T))^2/K_nn, with the duration T (s), the energetic
+    coefficient of restitution e* and the inverse mass K_nn along the normal (1/kg).
 
     A point of 1 kg on a spring of 1 N/m is in contact for half a period, pi s:
 
@@ -141,20 +141,20 @@ def frictionless_stiffness(inverse_mass: float, restitution: float, duration: fl
 def stiffness_for_duration(
     impact: Impact, velocity: float, restitution: float, duration: float
 ) -> float:
-    """Return the normal stiffness at which a contact lasts a given time.
+    """Return the normal loading stiffness at which a contact lasts a given time, N/m.
 
     The result holds in the limit of short contacts, in which the duration is inversely proportional
     to the square root of the stiffness. In a phase of the impact let a be the change of the normal
     velocity v per unit normal impulse. With a stiffness of 1 the normal force N and v obey v' = a
     N, and N' = -v in loading or N' = -v/e*^2 in unloading. The phase is therefore part of a
-    harmonic motion. The duration of the phase follows from v and N at its start and at its end, which
-    the impact law gives.
+    harmonic motion. The duration of the phase follows from v and N at its start and at its end. The
+    impact law gives both.
 
     Args:
         impact: result of the rigid-body law for the same impact.
-        velocity: normal velocity before the impact, which is negative.
-        restitution: energetic coefficient of restitution.
-        duration: required duration of the contact.
+        velocity: normal velocity before the impact, which is negative, m/s.
+        restitution: energetic coefficient of restitution e*.
+        duration: required duration of the contact, s.
 
     A point of 1 kg that is in contact for pi/2 s needs a stiffness of 4 N/m, as half a period of
     its oscillation is then pi/2 s:

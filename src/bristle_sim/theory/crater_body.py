@@ -180,8 +180,8 @@ class SweptTip:
     def _edge(self, depth: ArrayLike) -> tuple[Number, Number, Number]:
         """Return where the edge of the elliptic face meets the surface, for a depth of the tip (m).
 
-        The angle theta along the edge gives y = (d/2) sin(theta) and z_e = D (1 - cos(theta)). d is
-        the wire's diameter; D is the depth of half the ellipse, ``face.full_depth``.
+        A point of the edge has the angle theta, y = (d/2) sin(theta) and z_e = D (1 - cos(theta)),
+        with the wire's diameter d and the depth D at which half the ellipse is below the surface.
 
         Returns:
             The angle theta at the surface (rad), its sine, and the depth minus D (m).

@@ -1,13 +1,13 @@
 """Force history of an impact: an exponential times a shifted cosine (Zhang 2020, chapter 3).
 
-The dissertation fits (3.3) to a measured impact of a steel ball on a plate. One of its exponential
-terms suffices:
+The dissertation fits (3.3) to a measured impact of a steel ball on a plate. One exponential term of
+(3.3) suffices:
 
     F(t) = c e^(-lambda t) (F*/2) [cos(2 pi t_o/T) - cos(2 pi (t + t_o)/T)],   t_o = t_f/10,  T = t_f + 2 t_o,
 
 t_f is the duration of the contact. The dissertation applies the shape to the bristle: the bristle's
-impulse is divided in the same fractions as the ball's. The bracket is 0 at t = 0 and t = t_f. The
-amplitude of its cosine (the swing) therefore fixes its constant part (the offset): offset = swing
+impulse is divided in the same fractions as the ball's. The bracket is 0 at t = 0 and t = t_f. Times
+F*/2 it is a constant (``offset``) minus a cosine (of amplitude ``swing``). Hence offset = swing
 cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12 for every t_f. The printed offsets 145 and 26 N
 are rounded from 145.059 and 25.981 N. The printed curves therefore have F(0) = -0.083 N (ball) and
 +0.020 N (bristle), where (3.3) has zero.
@@ -158,7 +158,7 @@ class ForceCurve:
         return float(self(self.peak_time()))
 
     def rescaled(self, impulse: float, compression_time: float) -> ForceCurve:
-        """Return the force curve of an impact with other compressive impulse and compression time.
+        """Return the force curve of an impact with another impulse and another compression time.
 
         ``impulse`` (N s) is the impulse up to the peak of the new curve, ``compression_time`` (s)
         the time of that peak. In both impacts the same fraction of the compressive impulse acts in

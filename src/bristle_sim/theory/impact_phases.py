@@ -102,7 +102,7 @@ class Impact(EqualByValue):
 
     @property
     def phases(self) -> tuple[str, ...]:
-        """Names of a single impact's phases in order, as in ``restitution stick``."""
+        """Names of a single impact's phases in order, such as ``restitution stick``."""
         slips = self.phase_slip.tolist()
         names = []
         for name, impulse, slip in zip(PHASES, self.phase_impulse.tolist(), slips, strict=True):

@@ -11,7 +11,7 @@ angle arccot(mu) with the workpart: beta - alpha = arccot(mu) - gamma.
 With ``surface="parallel"`` the length of the shear plane is d_u/sin(eta), as in (4.28). This is
 right for a surface parallel to the path. The real surface rises from the path at gamma, so a shear
 plane at eta meets it after the length d_u cos(gamma)/sin(eta - gamma). ``surface="inclined"`` uses
-this length. Least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
+this length. For every gamma, least work then gives eta - gamma = pi/4 - arccot(mu)/2 and
 
     R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
 
