@@ -217,8 +217,8 @@ def first_closing(
     gap = GAPS[obstacle]
 
     def gap_at(turn: Array, numbers: Chosen) -> Any:
-        """Return gaps of the wires ``chosen[numbers]``, and the derivatives of these gaps, after the
-        hub has rotated by ``turn``.
+        """Return the gaps of the wires ``chosen[numbers]``, and the derivatives of these gaps, at
+        the end of the hub's rotation ``turn``.
         """
         some = passes.take(chosen[numbers])
         gaps, rates = gap(some, some.hub_angle + turn, *motion(turn, chosen[numbers])[:2])[:2]

@@ -72,8 +72,7 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
 
 
 def comes_to_rest(passes: Passes, at_end: Chosen, pressure: Array, lasting: Array) -> Chosen:
-    """Return whether each wire's rebounds from the bar die out while the wire is still pressed onto
-    it.
+    """Return whether each wire's rebounds die out while the wire is still pressed onto the bar.
 
     Such a wire is then treated as if it had never rebounded. Two conditions must hold when the hub
     has rotated by ``lasting``: the wire would touch the bar with the same part, flank or end, and

@@ -183,8 +183,8 @@ class Chain:
     def _twists(self, values: Array, hub: Any) -> Array:
         """Return the value of each link minus the value of the preceding link.
 
-        ``values`` are angles or angular velocities. For the first link of a wire, ``hub`` is
-        subtracted.
+        ``values`` are angles or angular velocities. ``hub`` is the hub's angle or angular velocity,
+        which is subtracted for the first link of a wire.
         """
         return np.asarray(values @ self.apart - hub * self.first)
 

@@ -111,8 +111,8 @@ class ContactSpring:
     def tangential_force(self, place: float, foot: float) -> float:
         """Return the force of the tangential spring while its foot sticks.
 
-        ``place`` is the coordinate of the contact point along the surface, ``foot`` that of the
-        foot.
+        ``place`` is the coordinate of the contact point along the surface, ``foot`` the coordinate
+        of the spring's foot.
         """
         return -(self.stiffness / self.compliance) * (place - foot)
 

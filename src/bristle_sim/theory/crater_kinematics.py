@@ -138,7 +138,7 @@ class TipFace:
     def width(self, depth: ArrayLike) -> Number:
         """Return the width of the cut (m) at a depth of the tip (m) below the surface (4.9, 4.14).
 
-        From ``full_depth`` on the width is the wire's diameter.
+        At ``full_depth`` and below, the width is the wire's diameter.
         """
         fraction = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
         return self.short_axis * np.sqrt(fraction * (2.0 - fraction))

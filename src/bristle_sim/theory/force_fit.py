@@ -27,8 +27,8 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
 
-# Time around the contact that the fit includes, as a fraction of the duration. It is short
-# so that other contacts in the record stay outside.
+# Time before and after the contact that the fit includes, as a fraction of the contact's duration.
+# It is short, so that other contacts in the record stay outside.
 AROUND = 0.5
 # Error of the estimated start and end of the contact, as a fraction of its duration. Only samples
 # farther from both than this count as outside the contact.

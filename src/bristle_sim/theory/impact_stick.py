@@ -46,8 +46,8 @@ In this step the event function changes by a fraction 1e-18 of its amplitude."""
 # the event function past zero.
 STRAIGHT = 1e-8
 
-# Fraction of its amplitude that the fast oscillation is assumed to reach. A function that would
-# reach zero only with the full amplitude counts as a near miss.
+# Fraction of its amplitude that the fast oscillation is assumed to reach. An event function that
+# would reach zero only with the full amplitude counts as a near miss.
 GRAZE = 1.0 - 1e-13
 
 # Third derivative, as a fraction of its bound, below which a function counts as zero throughout if
