@@ -121,7 +121,7 @@ def decide(
 
 
 def _begun(system: System, state: State, point: Point) -> Sustained:
-    """Return the contact that begins at a point of a wire, compliant or rigid."""
+    """Return the sustained contact, compliant or rigid, that begins at a point of a wire."""
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
     surface = obstacle.surface

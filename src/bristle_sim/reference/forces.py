@@ -313,12 +313,13 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
-    """Return the smallest changes of the links' motion that set gaps and normal velocities to zero.
+    """Return the smallest changes of angles and angular velocities that close contacts.
 
-    The size of a change is its norm in the mass matrix.
+    After the changes the gaps and the normal velocities of all contacts in ``touches`` are zero, to
+    first order. The size of a change is its norm in the mass matrix.
 
     Returns:
-        The changes of the angles (rad) and those of the angular velocities (rad/s).
+        The changes of the links' angles (rad), and of their angular velocities (rad/s).
     """
     rows = np.array([touch.rows[0] for touch in touches])
     response = solve(mass, rows.T)
