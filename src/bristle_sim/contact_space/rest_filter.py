@@ -120,10 +120,10 @@ class RestFilter:
 
 
 def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
-    """Return the approach speed of a contact's fastest point, and the scale of its rounding error.
+    """Return the approach speed of a contact's fastest point, and the scale of the speed's error.
 
-    The scale is the sum of the magnitudes of the velocity components of both bodies at this point.
-    The engine writes its pointers to the bodies into ``bodies``.
+    The error is rounding error. Its scale is the sum of the magnitudes of the velocity components
+    of both bodies at this point. The engine writes its pointers to the bodies into ``bodies``.
     """
     first, second = bodies
     lib.cpArbiterGetBodies(raw, first, second)

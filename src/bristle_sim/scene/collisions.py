@@ -182,7 +182,7 @@ def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact
 
 
 def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord:
-    """Resolve and record an impact by the contact law of its pair, and return its record.
+    """Resolve an impact by the contact law of the pair, record it, and return the record.
 
     ``rests`` states whether the impact is perfectly plastic: the contact point does not rebound.
     """

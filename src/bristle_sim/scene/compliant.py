@@ -37,10 +37,10 @@ FORCE_ROUNDING = 1e-15
 T e* with the contact's duration T; scene units."""
 
 CLEAR_OF_ROUNDING = 1e4
-"""Least ratio of tolerance to rounding error at which the closely spaced step numbers ``CLOSE`` are
-used for extrapolation. Their weights amplify rounding error 100 times as much as those of ``WIDE``.
-Measured for accuracies from 0.1 to 1e-4: ``CLOSE`` needs two thirds to nine tenths of the steps of
-``WIDE``, with the same error."""
+"""Least ratio of tolerance to rounding error at which the closely spaced numbers of steps ``CLOSE``
+are used for extrapolation. Their weights amplify rounding error 100 times as much as those of
+``WIDE``. Measured for accuracies from 0.1 to 1e-4: ``CLOSE`` needs two thirds to nine tenths of the
+steps of ``WIDE``, with the same error."""
 
 # Lower bound of d e*, in scene units, with the penetration d of a simulated contact. In a shallower
 # contact rounding error decides when the contact ends, and the rigid-body law is more accurate.
@@ -68,10 +68,10 @@ class CompliantLaw(ContactLaw):
     accuracy.
 
     Args:
-        duration: duration of the first contact, engine units. A contact of a rigid wire without
-            friction and tangential compliance lasts as long; for any other contact ``duration``
-            only determines the stiffness. If it is None, every contact is so short that its outcome
-            agrees with the rigid-body limit to ``accuracy``.
+        duration: duration of the first contact of a rigid wire without tangential compliance,
+            engine units. For a wire that bends it is the duration that the contact would have if
+            the wire were rigid and frictionless. With None, every contact is so short that its
+            outcome agrees with the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
         stiffness: stiffness of the spring in compression, engine units. If it is given, it is used
             in place of the stiffness that follows from ``duration``.

@@ -227,7 +227,7 @@ def _rigid_events(
 def _bar_events(
     system: System, contact: ActiveContact, pair: BarPair, piece: int
 ) -> Iterator[Event]:
-    """Yield the events at which a contact with the bar leaves its straight segment of the wire.
+    """Yield the events at which a contact with the bar leaves the straight segment it touches.
 
     The contact point slides over a knee, a joint or the tip, or another segment of a bent link
     touches the bar. In the latter case the contact passes to that segment by an impact.

@@ -92,9 +92,9 @@ class IntervalResult(NamedTuple):
 
 
 class Repetitions:
-    """A sequence of step numbers for extrapolation, and the weights of the results.
+    """A sequence of numbers of steps for extrapolation, and the weights of the results.
 
-    An interval is integrated once for each step number; each integration is a repetition. The
+    An interval is integrated once with each number of steps; each integration is a repetition. The
     attributes from ``costs`` on have one entry for each repetition. The entry belongs to the
     extrapolation from this and all earlier repetitions.
 
@@ -159,7 +159,7 @@ class Extrapolation:
 
     Args:
         tolerance: largest permitted error of an interval, in scene units.
-        repetitions: sequence of step numbers for motion with contacts. Other sequences apply to
+        repetitions: numbers of steps for motion with contacts. Other sequences apply to
             time-symmetric steps and to motion without contacts.
         longest: longest interval that is proposed. The first interval may be longer. Any interval
             may be a tenth longer, to avoid a short remainder.
@@ -169,7 +169,7 @@ class Extrapolation:
         noise: largest permitted error of an interval: the tolerance, or the rounding error if that
             is larger.
         length: length proposed for the next interval.
-        table: sequence of step numbers of the last interval.
+        table: sequence of numbers of steps that the last interval used.
     """
 
     def __init__(
@@ -202,9 +202,10 @@ class Extrapolation:
         rigid: RigidContacts | None = None,
         springs: Sequence[SpringForce] = (),
     ) -> IntervalResult:
-        """Integrate over an interval, repeatedly with smaller steps until its error is permitted.
+        """Integrate over an interval, with ever smaller steps until its error is permitted.
 
-        The repetitions end before their rounding error would exceed the permitted error.
+        The repetitions with smaller steps end before their rounding error would exceed the
+        permitted error.
 
         Args:
             scene: the scene.

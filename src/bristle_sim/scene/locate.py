@@ -230,7 +230,7 @@ def settle(
     last: float,
     tolerance: float,
 ) -> IntervalResult | None:
-    """Return the result at the time within an interval at which a function of the state is zero.
+    """Locate a zero of a function of the state, and return the integrator's result there.
 
     The first estimate of the time is the zero on the interval's interpolating polynomial. The
     interval is integrated up to the estimate. From the state reached, the motion is extrapolated at

@@ -62,7 +62,7 @@ class Motion:
         forces: forces of the contacts with springs.
         limit: upper bound of the next interval's length, in engine time units. It is small at the
             beginning of a contact, which may end at once.
-        release_in: length of the next interval that is expected to contain the release of a rigid
+        release_in: length at which the next interval is expected to contain the release of a rigid
             contact; infinite if no release is expected.
         before: result at the end of the last interval; None in the first interval.
         events: events that may end the motion, contact events first.
@@ -220,8 +220,8 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     """Advance the run to the end of an interval, and record samples of the motion in it.
 
     Links in sustained contact are moved back onto their obstacles. The first interval after a
-    contact may be the whole flight. A further sample is recorded in it if the polynomial through
-    the states at its ends and in its middle is less accurate than the run.
+    contact may be the whole flight. In that interval a further sample is recorded if the polynomial
+    through the states at its ends and in its middle exceeds the permitted error of the run.
     """
     solver = system.scene.joint_solver
     recording = system.recording
