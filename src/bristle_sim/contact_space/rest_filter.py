@@ -1,5 +1,6 @@
-"""The division of a step's contacts into contacts at rest, which the engine resolves, and impacts.
+"""The division of a step's contacts into impacts and contacts at rest.
 
+The engine resolves the contacts at rest. It ignores the impacts, which an impact law resolves.
 Contacts are read by direct calls of the engine, without pymunk's wrappers, for speed: a space at
 rest has many contacts.
 """

@@ -77,7 +77,7 @@ class Groups:
         return body
 
     def unite(self, bodies: Iterable[pymunk.Body]) -> None:
-        """Merge the groups of all ``bodies`` into one group, and add their numbers of impacts."""
+        """Merge the groups of all ``bodies`` into one group, and add up their counts of impacts."""
         first, *others = dict.fromkeys(map(self.head, bodies))
         for each in others:
             self._heads[each] = first

@@ -331,7 +331,7 @@ class TouchingPoint:
         return min(found, key=lambda each: abs(each.point - self.overlap.point), default=None)
 
     def located(self, impact: Impact, end: float) -> LocatedImpact:
-        """Return an impact at the point with its time, location and bodies, for a report.
+        """Return the ``LocatedImpact`` of an impact at this point, for a report.
 
         ``end`` is the time at the end of the step.
         """

@@ -299,7 +299,7 @@ class Scene:
         The joints are replaced by new ones, which have no stored impulses from which a step would
         start. The bodies are placed, which makes their rotations finite. Their positions become
         finite when they are placed the next time: the engine adds zero times the old rotation to a
-        position, which is NaN if that rotation is not finite.
+        position, and this product is NaN unless the rotation is finite.
         """
         space = self.space
         springs = [each for each in space.constraints if each not in self.joints]

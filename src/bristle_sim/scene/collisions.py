@@ -64,7 +64,7 @@ def jam(system: System, *pairs: ContactPair) -> None:
 def resolve_impacts(
     system: System, motion: Motion, pair: ContactPair, name: str, *, rests: bool
 ) -> Motion:
-    """Resolve an impact and the impacts that it causes at the same instant.
+    """Resolve an impact, and further impacts that the first one causes at the same instant.
 
     Args:
         system: the run.

@@ -280,7 +280,7 @@ class RigidContacts:
         return (normal - pair.friction * (contact.slip or 0) * coupling) / free
 
     def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
-        """Set the sense of slip of a new contact, which friction opposes.
+        """Set the sense in which a new contact slips; friction opposes the slip.
 
         The sense is the sign of the slip velocity if that velocity exceeds its error. Otherwise the
         sense depends on the number of links in the mechanism. If there are several, the contact

@@ -87,7 +87,7 @@ class IntervalResult(NamedTuple):
     middle: State | None = None
 
     def moved(self, time: float) -> IntervalResult:
-        """Return the result with its state a short time later, at constant accelerations."""
+        """Return the result with the state of a short time later, at constant accelerations."""
         return self._replace(state=self.state.moved(time, self.accelerations))
 
 
@@ -104,8 +104,8 @@ class Repetitions:
         costs: total cost, as a number of engine steps.
         first_order: weights for results whose error is a polynomial in h.
         weights: weights for results whose error is a polynomial in h^p.
-        differences: weights of the error estimate: the extrapolated result minus the result
-            extrapolated without the coarsest repetition.
+        differences: weights of the error estimate. The estimate is the extrapolated result minus
+            the result extrapolated without the coarsest repetition.
         noise: rounding error of an extrapolated angle, rad; it grows with the number of
             repetitions.
     """

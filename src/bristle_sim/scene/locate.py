@@ -182,11 +182,11 @@ def _zero(
 
 
 def _to_the_extreme(event: Event, interval: Interval) -> Interval:
-    """Return the interval shortened to the extreme of a value that changes sign twice within it.
+    """Return the interval shortened so that it ends at an extreme of the event's value.
 
-    The shortened interval then contains only the first change of sign. The extreme is estimated by
-    a parabola through the least (or greatest) of five values and its two neighbours. Without an
-    extreme in the interval, or with one far above zero, the interval is returned unchanged.
+    If the value changes sign twice, the shortened interval contains the first change only. The
+    extreme is estimated by a parabola through the least (or greatest) of five values and its two
+    neighbours. Without an extreme beyond or close to zero, the interval is returned unchanged.
     """
     sense = -float(event.direction)
     length = interval.length

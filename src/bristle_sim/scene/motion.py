@@ -1,4 +1,4 @@
-"""The smooth motion between two changes of contact, which is integrated interval by interval."""
+"""Smooth motion between two changes of contact, integrated interval by interval."""
 
 from __future__ import annotations
 

@@ -244,7 +244,7 @@ class WorkpartPair(FixedPair):
         return [(corners[0], corners[self.corner])]
 
     def touch(self, _: complex, end: complex) -> tuple[float, complex, complex]:
-        """Return the gap of the corner ``end``, the corner and the normal, which is +y."""
+        """Return the gap of the corner ``end``, then the corner itself, then the normal (+y)."""
         return end.imag + self.depth + self.dent, end, 1j
 
 

@@ -154,8 +154,8 @@ def contacts_in_si(
 ) -> tuple[ContactRecord, ...]:
     """Return a wire's contact records in SI units, in order of time.
 
-    Each record holds the angles and angular velocities of this wire only. It states the number of
-    the link in contact, and the number of the neighbouring bristle if the wire touches one.
+    A record holds the angles and angular velocities of this wire only. The record also states the
+    number of the link in contact, and that of the neighbouring bristle if the wire touches one.
     """
     size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)

@@ -36,7 +36,7 @@ EXTREMES = (Kind.LARGEST_RETRACTION, Kind.HIGHEST_RELATIVE_SPEED, Kind.RETRACTIO
 
 
 def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
-    """Run a system from its present state to the plan's end, interval by interval.
+    """Run a system from the present state to the end of its plan, interval by interval.
 
     Yields:
         Pairs (motion, event). The first pair holds the motion with which the run starts. A pair at
@@ -158,7 +158,7 @@ def _opens(system: System, motion: Motion, contact: ActiveContact) -> bool:
 
 
 def begin_motion(system: System, given: Motion) -> Motion:
-    """Return a new motion with the contacts of ``given``, whose gaps are first closed exactly.
+    """Close the gaps of rigid contacts exactly; return a new motion with the contacts of ``given``.
 
     The run stops in two cases: every wire has had the event ``stop_after`` and no contact has a
     spring, or no force can keep a rigid contact closed.

@@ -71,7 +71,7 @@ class SpringPhase(NamedTuple):
 
 @dataclass(slots=True, eq=False, kw_only=True)
 class SpringContact(ActiveContact):
-    """A contact with springs, which is simulated over its duration, and its present phase.
+    """A contact with springs in its present phase; it is simulated over its duration.
 
     The contact has a normal spring with energetic restitution, Coulomb friction, and a tangential
     spring if it is compliant along the surface.

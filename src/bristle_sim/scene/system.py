@@ -192,9 +192,10 @@ class System:
         return single or not self.law.finite_duration
 
     def slip_error(self, fastest: State) -> float:
-        """Return the possible error of a slip velocity, up to which its sense is unknown.
+        """Return the possible error of a slip velocity.
 
-        The error is proportional to the largest speed in the state ``fastest``.
+        The sense of a slip velocity below this error is unknown. The error is proportional to the
+        largest speed in the state ``fastest``.
         """
         return max(self.plan.accuracy, self.recording.summed) * self.mechanism.speed_bound(fastest)
 

@@ -202,7 +202,7 @@ def wire_hinge(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[f
     Args:
         bristle: parameters of the bristle.
         root_stiffness: stiffness of the belt, N m/rad.
-        units: units of the scene, which the results have too.
+        units: units of the scene, in which the results are returned.
     """
     diameter = bristle.wire_diameter
     length = bristle.length

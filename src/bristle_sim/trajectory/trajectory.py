@@ -214,9 +214,9 @@ class Trajectory(Motion):
         return dataclasses.replace(self, contacts=tuple(contacts))
 
     def __repr__(self) -> str:
-        """Return a text of one line each for samples, strike, events, stop reason and cost.
+        """Return a text of five lines: samples, strike, events, stop reason and cost.
 
-        If the requested accuracy was not reached, a further line states it.
+        If the requested accuracy was not reached, a sixth line says so.
         """
         first, last = (1e3 * float(instant) for instant in (self.time[0], self.time[-1]))
         contact = self.first_contact("workpart")
