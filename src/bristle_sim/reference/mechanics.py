@@ -202,10 +202,10 @@ class Chain:
         )
 
     def jacobian(self, motion: Kinematics, link: int, arm: complex) -> Complexes:
-        """Return the derivatives of a point's velocity by the angular velocities of the links, m.
+        """Return the Jacobian of a point's velocity in the angular velocities of the links, m.
 
-        The point is fixed on the link of the index ``link``. ``arm`` is
-        the vector from the first joint of this link to the present position of the point, m.
+        The point is fixed on the link of the index ``link``. ``arm`` is the vector from the first
+        joint of this link to the present position of the point, m.
         """
         row = 1j * self.ends * motion.turn * self.before[:, link]
         row[link] = 1j * arm

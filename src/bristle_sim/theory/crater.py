@@ -18,10 +18,10 @@ end of the ply: d_i = [E(t_{i-1}) - E(t_i)]/R(t_i) (4.62). The depth is cos(gamm
 the quotients d_i. This estimate fails. The postulated motion decelerates most at t = 0, where the
 force R of (3.19) is almost zero. The depth is therefore 9.65 mm at 300 plies and grows with n. Eq.
 4.66 prints the sum of the lost energies divided by the sum of the forces instead; this ratio tends
-to zero. Over the printed path the kinetic energy falls by 15.6 mJ. The force R does at most 4.05 mJ
-of work, and the root's bearing takes 3.0 mJ. (The latter is the term of (4.59) in e^(-lambda t),
-with the decay rate lambda of the motion.) Some 8.5 mJ remain unexplained, so the printed force and
-the printed motion are not those of one impact.
+to zero as n grows. Over the printed path the kinetic energy falls by 15.6 mJ. The force R does at
+most 4.05 mJ of work, and the root's bearing takes 3.0 mJ. (These 3.0 mJ are the term of (4.59) in
+e^(-lambda t), with the decay rate lambda of the motion.) Some 8.5 mJ remain unexplained, so the
+printed force and the printed motion are not those of one impact.
 
 Arguments: the coefficient of friction mu while cutting, the impact angle gamma in rad, the shear
 yield stress tau_s in Pa, the number of plies, the compression time t_c in s, and the wire's

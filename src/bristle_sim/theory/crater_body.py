@@ -158,7 +158,7 @@ class SweptTip:
 
         The area is (cot(gamma) + cot(phi)) times the integral of depth - z_e(y) over y. gamma is
         the impact angle, phi the angle of the face to the surface, z_e(y) the height of the face's
-        edge above its lowest point.
+        edge above the edge's lowest point.
         """
         last, sine, above = self._edge(self.depth)
         section = 2.0 * above * sine + self.face.full_depth * (last + sine * np.cos(last))

@@ -3,17 +3,18 @@
 A tip that cuts a chip of depth d_u and width b is loaded by the force F_c = u b d_u along its path
 (Merchant, 4.31; symbols of the module ``merchant``). The specific cutting energy u = tau_s cos(beta
 - alpha)/(sin(eta) cos(eta + beta - alpha)) depends on the angles only. The path is straight and
-descends at gamma. After the length S of the path, the tip is S sin(gamma) below the surface.
-Measured along the normal to the path, the surface is at the distance d_u = S tan(gamma), so that
-depth = d_u cos(gamma) as in (4.50). With the width b of the face at a depth,
+descends at the impact angle gamma. After the length S of the path, the tip is S sin(gamma) below
+the surface. Measured along the normal to the path, the surface is at the distance
+d_u = S tan(gamma) from the tip, so that depth = d_u cos(gamma) as in (4.50). With the width b of
+the face at a depth,
 
     F_c(S) = u b(S sin(gamma)) S tan(gamma),    W(S) = integral of F_c dS = u V(S),
 
 where V is the swept volume.
 
 ``depth_from_force`` solves the equation of F_c for the depth, ``depth_from_energy`` the equation of
-W. The sum over time steps of (4.50) differs from the equation of F_c: it adds up dF_c/b with the
-width at each time, although in (4.31) the whole force belongs to the last width.
+W. The sum over time steps of (4.50) differs from the equation of F_c: the sum adds up dF_c/b with
+the width at each time, although in (4.31) the whole force belongs to the last width.
 
 A contact resolved in time gives both force and energy. Up to its deepest penetration the force
 along the path, N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip is W.
@@ -210,11 +211,11 @@ def crater_depth_from_contact(
 
     Args:
         time: times (s), shape (n,) with n >= 2. The next five arguments have the same shape.
-        normal_force: normal force on the tip, N.
+        normal_force: normal force on the tip, N, positive away from the workpart.
         tangential_force: tangential force on the tip, N.
         penetration: penetration (m), positive inside the workpart.
-        normal_velocity: normal velocity of the tip, m/s.
-        tangential_velocity: tangential velocity of the tip, m/s.
+        normal_velocity: normal velocity of the tip, m/s, positive away from the workpart.
+        tangential_velocity: tangential velocity of the tip, m/s, along the axis of the force.
         impact_angle: angle of the tip's path to the surface, rad.
         shear_yield_stress: shear yield stress of the workpart, Pa.
         friction: coefficient of friction while cutting; by default the ratio of tangential to

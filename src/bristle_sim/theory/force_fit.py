@@ -1,16 +1,18 @@
 """Fit of the force history (Zhang 2020, eqs. 3.2-3.4) to measured points, or to a record that
 contains a contact.
 
-With the lead t_o = t_f/10 and the period T = 1.2 t_f, (3.3) is F(t) = sum_i c_i e^(-lambda_i t)
-(F*/2) [cos 30 deg - cos(2 pi t/(1.2 t_f) + 30 deg)], where t_f is the duration of the contact. F*
-only scales the amplitudes c_i. It is therefore not fitted but taken from the points. The unknowns
-are one amplitude c, one decay rate lambda, the duration t_f and the start s of the contact. If the
-record holds samples from outside the contact, the baseline b is an unknown too: the measured force
-is b + F(t - s) during the contact, and b elsewhere. (3.3) is 0 at both ends, so the model is
-continuous in s and t_f.
+The duration of the contact is t_f. With the lead t_f/10 and the period 1.2 t_f the force (3.3) is
 
-Several fits are computed. Each starts from the highest pulse of the points or of a moving average
-of them. The fit that explains most of the record is chosen.
+    F(t) = sum_i c_i e^(-lambda_i t) (F*/2) [cos 30 deg - cos(2 pi t/(1.2 t_f) + 30 deg)].
+
+The force F* only scales the amplitudes c_i. F* is therefore not fitted but taken from the points.
+The unknowns are one amplitude c, one decay rate lambda, the duration t_f and the start s of the
+contact. If the record holds samples from outside the contact, the baseline b is an unknown too: the
+measured force is b + F(t - s) during the contact, and b elsewhere. (3.3) is 0 at both ends of the
+contact, so the model is continuous in s and t_f.
+
+Several fits are computed. Each fit starts from the highest pulse of the points, or of a moving
+average of the points. The fit that explains most of the record is chosen.
 """
 
 from __future__ import annotations

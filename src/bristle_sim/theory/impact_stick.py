@@ -12,12 +12,12 @@ rates lambda_1 >= lambda_2 >= 0. The product of the squared rates is det S = kap
 - K_nt^2/K_tt). The last factor, the compliance in stick, may be given to more digits than K holds.
 
 Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. Loading ends where
-v_n = 0, and unloading ends where N returns to its largest value. These event functions are each a
-constant plus a harmonic term of each mode, so that |f''| <= M with a bound from the amplitudes. The
-parabola f + f' h - M h^2/2 bounds f from below after a step h: its root is a step that passes no
-root of f. Such steps converge quadratically to the first root, and step over a near miss. If the
-rates of the modes differ much, a longer step follows from the parabola of the slow mode, lowered by
-the amplitude of the fast mode.
+v_n = 0, and unloading ends where N returns to its largest value. Each of these event functions f is
+a constant plus a harmonic term of each mode. The amplitudes give a bound M of |f''|. After a time
+step h the value of f is at least f + f' h - M h^2/2. A step to the root of this parabola therefore
+passes no root of f. Such steps converge quadratically to the first root of f, and step over a near
+miss. If the rates of the modes differ much, a longer step follows from the parabola of the slow
+mode, lowered by the amplitude of the fast mode.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ def modes_of(contact: Contact) -> tuple[float, float, complex]:
     """Return the squared natural angular frequencies of the two modes, and the axis of the fast one.
 
     The axis is a unit vector with a real part along the normal and an imaginary part along the
-    surface. In these axes the scaled inverse mass matrix is diagonal.
+    surface. In the axes of the two modes the scaled inverse mass matrix is diagonal.
     """
     steep = contact.steep
     eta = contact.eta

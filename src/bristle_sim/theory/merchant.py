@@ -4,9 +4,10 @@ section 4.2).
 The tool pushes the chip with a resultant R that makes the angle beta - alpha with the cutting
 velocity (beta: friction angle, alpha: rake angle). The chip shears off along a plane at the shear
 angle eta to the cutting velocity. In this plane the yield stress tau_s acts over the area b
-d_u/sin(eta), with the width b and the uncut depth d_u. In the modified circle d_u is normal to a
-path that descends at the impact angle gamma. For every rake angle the resultant R then makes the
-angle arccot(mu) with the workpart: beta - alpha = arccot(mu) - gamma.
+d_u/sin(eta), with the width b and the uncut depth d_u. In the dissertation's modified circle d_u is
+measured normal to a path that descends at the impact angle gamma. For every rake angle the
+resultant R then makes the angle arccot(mu) with the workpart, where mu is the ratio of tangential
+to normal force on the workpart: beta - alpha = arccot(mu) - gamma.
 
 With ``surface="parallel"`` the length of the shear plane is d_u/sin(eta), as in (4.28). This is
 right for a surface parallel to the path. The real surface rises from the path at gamma, so a shear

@@ -2,8 +2,8 @@
 2.19-2.65).
 
 The bristle, a slender rod of mass m and length L, stands at the angle gamma to the workpart's
-normal when its tip strikes. The hub (radius r_h) has the angular velocity omega, the bristle R
-omega. The tip moves along one line,
+normal when its tip strikes. The hub (radius r_h) has the angular velocity omega, the bristle phi'
+(before the impact R omega). The tip moves along one line, with the velocity
 
     v_C (cos gamma, -sin gamma),    v_C = L phi' + r_h omega                                                      (2.24)
 

@@ -158,7 +158,7 @@ def developed_area_ratio(heights: Array, step: float, cell: float) -> float:
         step: distance between points along the last axis, m.
         cell: distance between points along the first axis, m.
 
-    A plane that rises at 45 deg has sqrt(2) - 1:
+    For a plane that rises at 45 deg, Sdr is sqrt(2) - 1:
 
     >>> print(f"{developed_area_ratio(np.add.outer(np.arange(5.0), np.zeros(4)), 1.0, 1.0):.6f}")
     0.414214
