@@ -165,7 +165,9 @@ def _number(cell: str, decimal: str) -> float | None:
 
 
 def _value(path: str | Path, number: int, row: list[str], decimal: str, column: Column) -> float:
-    """Return the number of a row in a column.
+    """Return the value that a row of a file has in a column.
+
+    ``number`` is the number of the row's line in the file, for messages.
 
     Raises:
         ValueError: if the text is not a number, or the number is larger than MOST; the message

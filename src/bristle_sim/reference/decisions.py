@@ -245,8 +245,8 @@ def change_phase(system: System, each: Compliant, deepest: float | None, state: 
 def stop_foot(system: System, each: Compliant, state: State) -> State:
     """Let the foot of a tangential spring stick at the instant at which its slip velocity is zero.
 
-    The foot always sticks. The sign of its slip velocity at this instant is a rounding error, so
-    the sign does not decide between stick and reversed slip.
+    The sign of the computed slip velocity is only rounding error at this instant, so it must not be
+    taken for reversed slip.
     """
     _hold_foot(system, each, state)
     return decide(system, state, stopped=each)

@@ -118,8 +118,8 @@ class Event:
         direction: -1 if the value falls through zero at the event, +1 if it rises, 0 for both.
         tolerance: magnitude of the value below which the event counts as located; None for the
             run's own tolerance.
-        noise: magnitude up to which the value has no sign: its rounding error if a tolerance is
-            given, otherwise the possible error of the run.
+        noise: magnitude up to which the value counts as having no sign. If a tolerance is given, it
+            is the value's rounding error, otherwise the possible error of the run.
         sign: the last sign of the value; None while it is unknown.
         known: the last result for which the value was computed, and the value.
     """

@@ -146,7 +146,7 @@ def _change(event: Event, interval: Interval) -> tuple[float, float] | None:
 def _zero(
     system: System, event: Event, interval: Interval, left: float, right: float
 ) -> IntervalResult:
-    """Locate the zero of an event's value, and return the result of the interval that ends there.
+    """Return the result of integrating from the interval's start to the zero of an event's value.
 
     ``left`` and ``right`` are the values at the interval's ends, which have opposite signs.
     """

@@ -107,10 +107,10 @@ def motion_in_si(
 def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -> tuple[Event, ...]:
     """Return a wire's events in SI units; lesser maxima of the retraction are left out.
 
-    The run has recorded every local maximum of the retraction. Of these only the largest one before
-    the strike is returned, or the largest one of a run without a strike. No maximum is returned if
-    the retraction is larger at the start or end of this period. A maximum that has stopped the run
-    is always returned. If the wire has touched neither the bar nor the workpart, an event at the
+    The run has recorded every local maximum of the retraction. Of the maxima before the strike (or
+    before the end of a run without a strike) only the largest one is returned. It is not returned
+    either if the retraction is larger at the start of the run, or at the strike or the end. A
+    maximum that has stopped the run is always returned. If the wire has touched neither the bar nor the workpart, an event at the
     end of the run states this.
 
     Args:

@@ -116,8 +116,7 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
 
 
 def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
-    """Return the direction of the bar at which the bristle is radial when it strikes, with this
-    strike.
+    """Return the direction of the bar at which the bristle is radial when it strikes, and the strike.
 
     If several directions give a radial strike, the direction nearest to that of the cue formula is
     returned.
@@ -129,7 +128,7 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
 
     Raises:
         NotCuedError: if no direction gives a radial strike. The message states the range of the
-            lag.
+            lag, the bristle's angle behind the radial direction at the strike.
     """
     guess = stiffened_direction(tool)
     directions = np.linspace(0.0, math.pi, math.ceil(math.pi / step) + 1)

@@ -33,7 +33,8 @@ class Impacts:
         contact: the contact law that the user requested, with its parameters.
         strikes: simulated impact by each contact law, by the name of the law.
         refusals: reason why a law cannot compute the impact, by the name of the law.
-        timing: sentence that states how the duration of a contact resolved in time was chosen.
+        timing: sentence that states how the contact's duration was chosen, for laws in which it is
+            not zero.
     """
 
     chain: Chain

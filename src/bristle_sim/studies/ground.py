@@ -274,7 +274,7 @@ def _avrami(coverage: float) -> float:
 def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
     """Return the ground after a number of strikes.
 
-    Randomly placed strikes end earlier if they reach the requested coverage.
+    If the strikes fall at random places, they end as soon as the requested coverage is reached.
 
     Raises:
         ValueError: for fewer than one strike or more than MOST_STRIKES strikes.

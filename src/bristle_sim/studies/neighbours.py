@@ -316,8 +316,8 @@ def _touches(run: Trajectory) -> list[float]:
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Compare the strike of the row's last bristle with that of a lone bristle.
 
-    The values of the lone bristle count as theory. How often a neighbour touches the last bristle
-    is also compared.
+    In the comparison the values of the lone bristle take the place of theory. How often a neighbour
+    touches the last bristle is also compared.
     """
     tool = row.tool
     last = row.bristles[-1]

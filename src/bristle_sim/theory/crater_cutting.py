@@ -158,7 +158,7 @@ def depth_from_force(
     def excess(root: Number) -> tuple[Number, Number]:
         """Return the dimensionless area of the cut minus the required one, and its derivative.
 
-        The argument is the square root of the depth divided by ``face.full_depth``.
+        The argument ``root`` is sqrt(depth/``face.full_depth``).
         """
         # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y =
         # 1.22.

@@ -96,7 +96,7 @@ class Oscillator:
         return self.start * sine + 2.0 * self.slope * half * half
 
     def derivative(self) -> Oscillator:
-        """Return the oscillator of the time derivative of x."""
+        """Return the oscillator whose displacement is the time derivative of this one's."""
         return Oscillator(self.square, self.slope, -self.square * self.start)
 
 
