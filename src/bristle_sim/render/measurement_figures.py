@@ -190,8 +190,8 @@ def crater_figure(study: CraterStudy) -> Figure:
 def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
     """Return name, value (m) and colour of each estimate of the crater depth that is drawn.
 
-    The estimate from the sum of work and energy is not drawn. With some millimetres it is far larger
-    than the others.
+    The estimate from the sum of work and energy is not drawn. With some millimetres it is far
+    larger than the others.
     """
     looks = {
         "merchant_crater_depth": (f"Merchant, {study.crater.plies:g} plies", BLUE),

@@ -116,7 +116,7 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
 
 
 def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
-    """Return the direction of the bar at which the bristle is radial when it strikes, and the strike.
+    """Return the direction of the bar at which a bristle strikes radially, and this strike.
 
     If several directions give a radial strike, the direction nearest to that of the cue formula is
     returned.

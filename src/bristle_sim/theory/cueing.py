@@ -220,12 +220,11 @@ LEAST_TURN = 1e-100
 def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
     """Return the retraction and the relative angular velocity of the bristle after its release.
 
-    The centrifugal stiffness is neglected. The retraction at the time t after the release is
+    Without centrifugal stiffness the retraction is
 
         theta_p e^(-zeta Omega t) (cosh w t + (zeta Omega/w) sinh w t),
 
-    with the retraction theta_p at the release, the natural angular frequency Omega, the damping
-    ratio zeta and w = Omega sqrt(zeta^2 - 1). (With zeta < 1, w is imaginary and the retraction real.)
+    with the natural angular frequency Omega, the damping ratio zeta and w = Omega sqrt(zeta^2 - 1).
 
     Args:
         tool: the tool.
