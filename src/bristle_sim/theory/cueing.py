@@ -300,9 +300,8 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the cue of a bristle with centrifugal stiffness: the bar's position and the swing.
 
-    The swing is the bristle's motion from its release to the radial direction. The belt's damping is
-    neglected; without damping the result is exact. ``retraction`` is the retraction at the release,
-    rad.
+    The swing is the motion from the release to the radial direction. The belt's damping is
+    neglected; without damping the result is exact. ``retraction`` is that at the release, rad.
     """
     inertia = tool.bristle.inertia_about_root
     swing = (retraction, tool.belt.stiffness, field_stiffness(tool), inertia)
