@@ -14,6 +14,7 @@ from bristle_sim.reference.crossing import crossings
 from bristle_sim.settings import StopReason
 
 FREE = Tool(bar=None, workpart=None)
+SPENT = Tool().replace(contact="compliant", contact_duration=1e-4, restitution=1e-8)
 GRAVITY = 9.81
 
 
@@ -210,6 +211,7 @@ class TestNames:
             (Tool(), {"stop_after": "release"}, "stop_after = 'release'"),
             (Tool(), {"duration": 1e4}, "duration = 10000"),
             (Tool(), {"sample_interval": 1e-12}, "sample_interval = 1e-12"),
+            (SPENT, {"accuracy": 1e-6}, "^restitution = 1e-08: must be 0, or at least 0.001, "),
             (replace(FREE, hub=Hub(speed=0.0), belt=Belt(stiffness=0.0)), {}, "duration = None"),
         ],
     )

@@ -22,6 +22,7 @@ from bristle_sim.reference.forces import (
 from bristle_sim.reference.system import Instant, System
 from bristle_sim.theory.contact_spring import (
     ContactSpring,
+    check_restitution,
     frictionless_stiffness,
     stiffness_for_duration,
 )
@@ -156,6 +157,7 @@ def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None
     duration = system.duration
     if duration is None or system.stiffness is not None:
         return system.stiffness
+    check_restitution(surface.restitution)
     if chain.links > chain.wires:
         inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
         lever = touch.along - float(instant.motion.joint[0].real)

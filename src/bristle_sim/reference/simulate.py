@@ -109,8 +109,9 @@ def simulate_reference(
         The trajectory. Its ``cost.steps`` is the number of evaluations of the equations of motion.
 
     Raises:
-        ValueError: for an argument out of range, for a start inside an obstacle, or if the duration
-            times the highest natural angular frequency is above 1e5 rad.
+        ValueError: for an argument out of range, for a start inside an obstacle, if the duration
+            times the highest natural angular frequency is above 1e5 rad, or if the restitution of a
+            contact resolved in time is too small for double precision.
     """
     tool = checked_tool(tool)
     angle = tool.start_hub_angle if start_hub_angle is None else start_hub_angle

@@ -19,6 +19,7 @@ from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.theory.contact_spring import (
     ContactSpring,
+    check_restitution,
     frictionless_stiffness,
     stiffness_for_duration,
 )
@@ -45,10 +46,6 @@ steps of ``WIDE``, with the same error."""
 # Lower bound of d e*, in scene units, with the penetration d of a simulated contact. In a shallower
 # contact rounding error decides when the contact ends, and the rigid-body law is more accurate.
 LEAST_DEPTH = 1e-13
-
-# Least e* other than 0. Unloading takes e* times as long as loading; with a smaller e* it would be
-# too short for double precision.
-LEAST_RESTITUTION = 1e-3
 
 SAMPLES_OF_A_COURSE = 24
 """Least number of intervals in a contact. Their ends are the samples of its force history, which
@@ -185,11 +182,7 @@ class CompliantLaw(ContactLaw):
         return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, pair)
 
     def _check(self, restitution: float) -> None:
-        if 0.0 < restitution < LEAST_RESTITUTION:
-            raise ValueError(
-                f"restitution = {restitution:g}: must be 0, or at least {LEAST_RESTITUTION:g}, for a contact resolved in"
-                " time (dimensionless)"
-            )
+        check_restitution(restitution)
         least = LEAST_DURATION / math.sqrt(restitution or 1.0)
         if self.duration is not None and self.duration < least:
             raise ValueError(

@@ -31,6 +31,10 @@ Vector = tuple[float, float]
 # A phase with a smaller change is treated as a motion at constant velocity.
 ROUNDING = 1e-12
 
+# Least e* other than 0. Unloading takes e* times as long as loading; with a smaller e* it would be
+# too short for double precision.
+LEAST_RESTITUTION = 1e-3
+
 
 @dataclass(frozen=True, slots=True)
 class ContactSpring:
@@ -122,6 +126,19 @@ class ContactSpring:
         ``place`` is the coordinate of the contact point, ``force`` the force of the spring.
         """
         return place + force * self.compliance / self.stiffness
+
+
+def check_restitution(restitution: float) -> None:
+    """Check that a contact with this coefficient of restitution can be resolved in time.
+
+    Raises:
+        ValueError: for a coefficient between 0 and LEAST_RESTITUTION.
+    """
+    if 0.0 < restitution < LEAST_RESTITUTION:
+        raise ValueError(
+            f"restitution = {restitution:g}: must be 0, or at least {LEAST_RESTITUTION:g}, for a contact resolved in"
+            " time (dimensionless)"
+        )
 
 
 def frictionless_stiffness(inverse_mass: float, restitution: float, duration: float) -> float:
