@@ -33,6 +33,16 @@ def overlapping(run: Trajectory) -> set[bool]:
     return {a.obstacle == b.obstacle for a, b in pairs}
 
 
+def pressed(run: Trajectory) -> list[float]:
+    """Return the impulse up to the end of the first lasting contact, the taps that end in it included.
+
+    Which of the last taps is a contact of its own depends on the accuracy, but not this sum.
+    """
+    lasting = next(each for each in run.contacts if each.duration > 1e-5)
+    taps = [each for each in run.contacts if each.time <= lasting.time]
+    return np.sum([each.impulse for each in taps if each.obstacle == lasting.obstacle], axis=0)
+
+
 LIMP = wire(4, modulus=8.5e7, nearness=0.7528, friction=0.3)
 DAMPED = wire(3, modulus=3.2e10, damping=0.3)
 STICKY = replace(wire(3, damping=0.3, friction=0.2, restitution=0.42), belt=Belt())
@@ -79,11 +89,8 @@ def test_a_wire_in_lasting_contacts(name: str) -> None:
     assert touches(scene)[:5] == pytest.approx(touches(reference)[:5], rel=10.0 * ACCURACY)
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * magnified * ACCURACY)
     assert all(together <= overlapping(run) for run in (scene, reference))
-    first, second = (
-        next((c for c in run.contacts if c.duration > 1e-5), None) for run in (scene, reference)
-    )
-    # The impulse of a sustained contact ends with a force that vanishes at a small slope.
-    assert first.impulse == pytest.approx(second.impulse, rel=1e3 * ACCURACY)
+    # Where taps precede the contact, the reference ends them earlier, at a rebound of 1.2 mm/s: 4e-5 of the impulse.
+    assert pressed(scene) == pytest.approx(pressed(reference), rel=100.0 * ACCURACY)
 
 
 def test_a_contact_slides_over_a_joint_without_an_impact() -> None:

@@ -123,6 +123,26 @@ class Repetitions:
         self.differences = [tuple(a - b for a, b in zip(*each, strict=True)) for each in both]
         self.noise = [ANGLE_ROUNDING * sum(map(abs, weights)) for weights in self.weights]
 
+    def extrapolated(self, columns: Sequence[Sequence[float]], links: int) -> list[float]:
+        """Return the values at zero step length.
+
+        The error of symmetric steps is a polynomial in h^2 for the motion and for the sums of
+        impulse and work. For accelerations and forces, which are those of the last steps, it is a
+        polynomial in h.
+
+        Args:
+            columns: the results of the repetitions for each value: angles, angular velocities,
+                accelerations, then the values of ``Sums`` for each contact.
+            links: number of links.
+        """
+        row = len(columns[0]) - 1
+        sums = self.weights[row]
+        ends = self.first_order[row]
+        of_motion = [*[sums] * (2 * links), *[ends] * links]
+        of_contacts = itertools.cycle((ends, ends, sums, sums, sums, sums, ends))
+        used = zip(itertools.chain(of_motion, of_contacts), columns, strict=False)
+        return [sum(map(mul, weights, each)) for weights, each in used]
+
 
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
     """Return the weights by which results for several steps are extrapolated to zero step length.
@@ -263,12 +283,9 @@ class Extrapolation:
         else:
             if error == math.inf:
                 scene.recover()
-            weights = table.weights[len(results) - 1]
-            others = table.first_order[len(results) - 1]
-            values = [sum(map(mul, weights, each)) for each in columns[: 2 * links]]
-            values += [sum(map(mul, others, each)) for each in columns[2 * links :]]
+            values = table.extrapolated(columns, links)
             if halved:
-                best = [sum(map(mul, weights, each)) for each in zip(*halves, strict=True)]
+                best = table.extrapolated([*zip(*halves, strict=True)], links)
                 middle = scene.state_at(state.time + 0.5 * duration, best)
         return IntervalResult(
             state=scene.state_at(state.time + duration, values),
