@@ -89,8 +89,8 @@ def test_a_wire_in_lasting_contacts(name: str) -> None:
     assert touches(scene)[:5] == pytest.approx(touches(reference)[:5], rel=10.0 * ACCURACY)
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * magnified * ACCURACY)
     assert all(together <= overlapping(run) for run in (scene, reference))
-    # Where taps precede the contact, the reference ends them earlier, at a rebound of 1.2 mm/s: 4e-5 of the impulse.
-    assert pressed(scene) == pytest.approx(pressed(reference), rel=100.0 * ACCURACY)
+    # Where taps precede the contact, either ends them at a rebound of about 1 mm/s: 1e-5 of the impulse.
+    assert pressed(scene) == pytest.approx(pressed(reference), rel=20.0 * ACCURACY)
 
 
 def test_a_contact_slides_over_a_joint_without_an_impact() -> None:

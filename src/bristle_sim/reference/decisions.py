@@ -170,9 +170,16 @@ def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None
 
 
 def _impact(
-    instant: Instant, touch: Touch, surface: Surface, compliance: float = 0.0
+    instant: Instant,
+    touch: Touch,
+    surface: Surface,
+    compliance: float = 0.0,
+    *,
+    plastic: bool = False,
 ) -> tuple[Impact, Array]:
     """Resolve an impact by the energetic law, and return its effect on all links.
+
+    A plastic impact has no restitution.
 
     Returns:
         The impact; and the change of the links' angular velocities (rad/s) per unit normal and per
@@ -180,7 +187,8 @@ def _impact(
     """
     response = solve(instant.mass, touch.rows.T)
     inverse_mass = 0.5 * (touch.rows @ response + response.T @ touch.rows.T)
-    coefficients = surface.friction, surface.restitution, surface.friction_in_restitution
+    restitution = 0.0 if plastic else surface.restitution
+    coefficients = surface.friction, restitution, surface.friction_in_restitution
     hit = energetic_impact(
         inverse_mass, touch.velocity, *coefficients, tangential_compliance=compliance
     )
@@ -283,9 +291,14 @@ def _hit(system: System, state: State, point: Point) -> State:
     instant = system.at(state)
     obstacle = system.obstacles[point.obstacle]
     touch = instant.touch(point)
-    hit, response = _impact(instant, touch, obstacle.surface, obstacle.compliance)
-    impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
-    after = state._replace(rates=state.rates + response @ impulse)
+    for plastic in (False, True):
+        hit, response = _impact(
+            instant, touch, obstacle.surface, obstacle.compliance, plastic=plastic
+        )
+        impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
+        after = state._replace(rates=state.rates + response @ impulse)
+        if not _hardly_rebounds(system, after, point):
+            break
     works = np.add(hit.compressive_work, hit.restitutive_work)
     compressive = (hit.compressive_impulse_normal, hit.compressive_impulse_tangential)
     contact = Sustained(
@@ -309,19 +322,21 @@ def _hit(system: System, state: State, point: Point) -> State:
 
 
 def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point]) -> State:
-    """Set the normal velocity to zero at contacts where the wire would hardly rebound.
-
-    Otherwise a wire that comes to rest would rebound infinitely often. ``LOWEST_REBOUND`` is the
-    height of the lowest rebound that is simulated.
-    """
-    if not points:
-        return state
+    """Set the normal velocity to zero at contacts that another impact has hardly lifted."""
     instant = system.at(state)
-    free = solve(instant.mass, instant.forces)
-    low = []
-    for touch in (instant.touch(point) for point in points):
-        falling = float(touch.rows[0] @ free) + touch.bias[0]
-        parting = touch.velocity[0]
-        if falling < 0.0 < parting and parting**2 < -2.0 * falling * LOWEST_REBOUND * system.size:
-            low.append(touch)
+    low = [instant.touch(point) for point in points if _hardly_rebounds(system, state, point)]
     return state._replace(rates=state.rates + closed(instant.mass, low)[1]) if low else state
+
+
+def _hardly_rebounds(system: System, state: State, point: Point) -> bool:
+    """Return whether a contact point parts, but rises to no more than ``LOWEST_REBOUND``.
+
+    It then counts as being at rest. Otherwise a wire that comes to rest would rebound infinitely
+    often.
+    """
+    instant = system.at(state)
+    touch = instant.touch(point)
+    falling = float(touch.rows[0] @ solve(instant.mass, instant.forces)) + touch.bias[0]
+    parting = float(touch.velocity[0])
+    lowest = -2.0 * falling * LOWEST_REBOUND * system.size
+    return falling < 0.0 < parting and parting**2 < lowest
