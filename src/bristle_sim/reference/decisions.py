@@ -339,4 +339,4 @@ def _hardly_rebounds(system: System, state: State, point: Point) -> bool:
     falling = float(touch.rows[0] @ solve(instant.mass, instant.forces)) + touch.bias[0]
     parting = float(touch.velocity[0])
     lowest = -2.0 * falling * LOWEST_REBOUND * system.size
-    return falling < 0.0 < parting and parting**2 < lowest
+    return bool(falling < 0.0 < parting and parting**2 < lowest)
