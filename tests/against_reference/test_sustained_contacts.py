@@ -177,12 +177,44 @@ def test_friction_of_the_bar_turns_round_where_slip_does():
         bar=bs.Bar(0.0029, 0.0594, 0.0272, friction=0.15),
         workpart=None,
     )
-    scene, reference = (
+    row = bs.simulate_row(
+        tool, bristles=2, pitch=0.5 * math.pi, neighbour_friction=0.0, neighbour_restitution=1.0
+    )
+    *scenes, reference = (
         next(each for each in run.contacts if each.law == "sustained")
-        for run in (bs.simulate(tool), bs.simulate_reference(tool, accuracy=1e-9))
+        for run in (bs.simulate(tool), *row, bs.simulate_reference(tool, accuracy=1e-9))
     )
     # As above; without the friction of the way back the tangential impulse would be a hundredth of it.
-    assert scene.impulse == pytest.approx(reference.impulse, rel=2e-4)
+    for scene in scenes:
+        assert scene.impulse == pytest.approx(reference.impulse, rel=2e-4)
+
+
+def test_the_first_link_of_a_wire_does_not_stick_to_the_bar():
+    """The hub's motion alone moves it along the bar: its slip reverses, and the second link touches with it.
+
+    The instant and the impulses of the drag are the reference's to ten times the accuracy of 1e-6.
+    """
+    tool = bs.Tool().replace(
+        hub_speed=505.0,
+        bristle_length=0.045,
+        wire_diameter=1.45e-3,
+        wire_links=2,
+        wire_modulus=6e10,
+        belt_stiffness=0.096,
+        bar_friction=0.5,
+        bar_radius=2.6e-3,
+        bar_horizontal=0.0455,
+        bar_vertical=-0.0127,
+    )
+    run = bs.simulate(tool, stop_after="bar release")
+    reference = bs.simulate_reference(tool, accuracy=1e-9, stop_after="bar release")
+    assert run.event_time("bar release") == pytest.approx(
+        reference.event_time("bar release"), rel=1e-5
+    )
+    drag, expected = (
+        next(each for each in one.contacts if each.law == "sustained") for one in (run, reference)
+    )
+    assert drag.impulse == pytest.approx(expected.impulse, rel=1e-5)
 
 
 def test_the_work_of_friction_on_a_wire_of_two_links_is_that_of_the_slip_under_its_forces():

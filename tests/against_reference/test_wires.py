@@ -104,6 +104,29 @@ def test_a_contact_slides_over_a_joint_without_an_impact() -> None:
     assert touches(run)[-1] < second.time
 
 
+def test_a_link_touches_with_its_other_segment_while_the_next_link_is_in_contact() -> None:
+    """A knee lies a hundredth of a link before the joint: the bar has passed that short segment's end, not the link."""
+    tool = Tool().replace(
+        hub_speed=340.0,
+        bristle_length=0.05,
+        wire_diameter=2.8e-4,
+        wire_links=3,
+        wire_modulus=1.24e11,
+        wire_damping_ratio=0.18,
+        knee_angle_deg=58.0,
+        knee_position=0.664,
+        belt_stiffness=0.0215,
+        bar_radius=0.0061,
+        bar_horizontal=0.0471,
+        bar_vertical=-0.0329,
+        bar_friction=0.15,
+    )
+    run = simulate(tool, Settings(accuracy=ACCURACY, hub_turn=0.45))
+    reference = simulate_reference(tool, accuracy=1e-9, hub_turn=0.45)
+    assert len(touches(reference)) == 4
+    assert touches(run) == pytest.approx(touches(reference), rel=10.0 * ACCURACY)
+
+
 @pytest.mark.parametrize(("knee", "friction"), [(0.0, 0.31), (30.0, 0.5), (-30.0, 0.5)])
 def test_no_jump_out_of_a_dent(knee: float, friction: float) -> None:
     """A contact resolved in time may end inside the workpart; the tip stays there until it comes out by itself.

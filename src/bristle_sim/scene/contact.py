@@ -279,30 +279,49 @@ class RigidContacts:
                 free += 1.0 / link.mass + lever**2 / link.inertia
         return (normal - pair.friction * (contact.slip or 0) * coupling) / free
 
-    def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
-        """Set the sense in which a new contact slips; friction opposes the slip.
+    def prescribes_slip(self, contact: ClosedPair) -> bool:
+        """Return whether the geometry alone determines the slip velocity of a contact.
 
-        The sense is the sign of the slip velocity if that velocity exceeds its error. Otherwise the
-        sense depends on the number of links in the mechanism. If there are several, the contact
-        sticks until its tangential force exceeds the friction limit. If there is only one, the
-        sense is the sign of the contact point's tangential acceleration. If this acceleration is
-        zero too, the link is at rest, and the sense stays unknown.
+        It does so if as many conditions as the wire has links from its root to the contact hold
+        there: a closed gap is one condition, stick is another. Such a contact cannot stick while
+        the hub moves it along its obstacle, however small the tangential force is.
+        """
+        if contact.pair.partner is not None:
+            return False
+        mechanism = self.scene.mechanism
+        count = len(mechanism.links)
+        last = contact.pair.link % count
+        first = last - last % mechanism.wire_links
+        conditions = sum(
+            2 if other.slip == 0 and other is not contact else 1
+            for other in self.closed
+            if other.pair.partner is None and first <= other.pair.link % count <= last
+        )
+        return conditions > last - first
+
+    def set_slip(self, state: State, contact: ClosedPair, error: float) -> None:
+        """Set the sense of slip of a new contact, which friction opposes.
+
+        The sense is the sign of the slip velocity if that velocity exceeds its error. Otherwise, if
+        the geometry determines the slip, the sense is the sign of the contact point's tangential
+        acceleration. If this acceleration is zero too, the link is at rest, and the sense stays
+        unknown. Any other contact sticks until its tangential force exceeds the friction limit.
 
         Args:
             state: the state at the touch.
             contact: the contact, which must be closed already.
             error: error of a velocity, in scene units.
         """
-        mechanism = self.scene.mechanism
-        single_link = mechanism.single_link
-        slip = contact.pair.closest(mechanism.poses(state), state.rates).velocity[1]
+        prescribed = self.prescribes_slip(contact)
+        poses = self.scene.mechanism.poses(state)
+        slip = contact.pair.closest(poses, state.rates).velocity[1]
         least = max(LEAST_SLIP, error)
-        if abs(slip) <= least and single_link:
+        if abs(slip) <= least and prescribed:
             slip = self.slip_acceleration(contact, state)
             least = LEAST_ACCELERATION
         if abs(slip) > least:
             contact.slip = int(math.copysign(1.0, slip))
-        elif not single_link:
+        elif not prescribed:
             contact.slip = 0
 
     def slip_acceleration(self, contact: ClosedPair, state: State) -> float:

@@ -128,20 +128,20 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
     elif kind is Kind.DENT_LEFT:
         system.pairs[subject] = replace(system.pairs[subject], dent=0.0)
     elif kind is not Kind.KINK:
-        subject.slip = _sense_after(system, event)
+        subject.slip = _sense_after(motion, event)
         if kind is Kind.BREAKS_AWAY and _opens(system, motion, subject):
             return decide(system, motion, Happening(Kind.RELEASE, (subject,)))
     return motion if system.recording.stop_reason is not None else begin_motion(system, motion)
 
 
-def _sense_after(system: System, event: Happening) -> int:
+def _sense_after(motion: Motion, event: Happening) -> int:
     """Return the sense of slip (+1, -1, or 0 in stick) after an event of a rigid contact's slip."""
     contact: ActiveContact = event.subject
     if event.kind is Kind.BREAKS_AWAY:
         return -1 if contact.tangential > 0.0 else 1
-    # Geometry and hub alone determine how a single link slips, so the slip that stops is reversed.
-    # Several links may stick.
-    return -(contact.slip or 0) if system.mechanism.single_link else 0
+    # A slip that geometry and hub determine does not stop but reverses.
+    assert motion.rigid is not None
+    return -(contact.slip or 0) if motion.rigid.prescribes_slip(contact) else 0
 
 
 def _opens(system: System, motion: Motion, contact: ActiveContact) -> bool:

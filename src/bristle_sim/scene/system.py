@@ -280,13 +280,16 @@ class System:
             None,
         )
 
-    def behind_joint(self, pair: ContactPair, active: Sequence[ContactPair], end: State) -> bool:
-        """Return whether a link can touch the bar only at a joint that is already in contact.
+    def behind_joint(
+        self, pair: ContactPair, active: Sequence[ContactPair], end: State
+    ) -> int | None:
+        """Return the segment of a link that touches the bar only at a joint already in contact.
 
-        The link shares this joint with a neighbour in contact. The result is True on two
-        conditions. At present the joint must be the link's point closest to the bar. It must be the
-        closest point at ``end`` too, or the present gap must be closed. Otherwise the link may
-        touch the bar at another point.
+        The link shares this joint with a neighbour in contact. The segment begins or ends there,
+        and is returned as its index on two conditions. At present the joint must be the segment's
+        point closest to the bar. It must be the closest point at ``end`` too, or the present gap
+        must be closed. Otherwise the segment may touch the bar at another point, and the result is
+        None.
 
         Args:
             pair: the link and the bar.
@@ -294,18 +297,18 @@ class System:
             end: state at the end of the interval.
         """
         if not self.mechanism.jointed or not isinstance(pair, BarPair):
-            return False
+            return None
         for sign, index, step in ((1.0, 0, -1), (-1.0, -1, 1)):
             if self.neighbour(pair, step) in active:
-                now, later = (
-                    sign * pair.ends_passed(self.mechanism.poses(state)[pair.link])[index]
+                ends, at_end = (
+                    pair.ends_passed(self.mechanism.poses(state)[pair.link])
                     for state in (self.state, end)
                 )
-                if now <= AT_JOINT and (
-                    later <= AT_JOINT or self.closest(pair).gap <= GAP_ROUNDING
+                if sign * ends[index] <= AT_JOINT and (
+                    sign * at_end[index] <= AT_JOINT or self.closest(pair).gap <= GAP_ROUNDING
                 ):
-                    return True
-        return False
+                    return 0 if step < 0 else len(ends) // 2 - 1
+        return None
 
     def at_joint(self, pair: ContactPair) -> ContactPair:
         """Return the pair to which a touch is assigned.

@@ -205,8 +205,14 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
         rests = sustained and all(
             abs(closest(interval.at(time)).gap) <= GAP_ROUNDING for time in times
         )
-        if rests or system.behind_joint(pair, [*motion.separating, *sustained], interval.end.state):
+        active = [*motion.separating, *sustained]
+        behind = system.behind_joint(pair, active, interval.end.state)
+        straight = len(system.mechanism.links[pair.link].corners) == 2
+        if rests or (behind is not None and straight):
             return None
+        if behind is not None:
+            # Only the segment on the other side of the link's knee can touch.
+            closest = partial(_of_piece, system.mechanism, pair, 1 - behind)
     fraction = first_touch(system.mechanism, closest, interval, error, begin / length)
     if fraction is None:
         return None
@@ -217,6 +223,11 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
         # If the gap were opening at this zero, there would be an earlier zero.
         return interval.up_to(closed), Happening(Kind.TOUCH, pair)
     return _integrated_touch(interval, pair, closest, begin, last)
+
+
+def _of_piece(mechanism: Mechanism, pair: ContactPair, piece: int, state: State) -> ClosestApproach:
+    """Return the closest approach of one straight segment of a pair's link."""
+    return pair.closest(mechanism.poses(state), state.rates, piece)
 
 
 def _integrated_touch(
