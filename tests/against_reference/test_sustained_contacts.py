@@ -251,6 +251,35 @@ def test_a_tip_of_two_links_whose_slip_stops_sticks_before_it_slips_back():
     assert drag.impulse == pytest.approx(expected.impulse, rel=1e-4)
 
 
+def test_a_tip_that_slips_back_after_an_elastic_strike_leaves_the_workpart_where_friction_would_lock_it():
+    """No force keeps the tip on the workpart in this sense of slip, and none is needed: it is drawn off.
+
+    The instants of all events are the reference's, to ten times the accuracy of 1e-6.
+    """
+    tool = bs.Tool().replace(
+        hub_speed=77.9807,
+        bristle_length=0.0132874,
+        wire_diameter=3.34468e-4,
+        belt_stiffness=2.54765e-4,
+        belt_damping_ratio=0.0150117,
+        friction=0.25,
+        restitution=0.0,
+        penetration=1.828929e-3,
+        tangential_compliance=1.94465,
+        gravity=300.0,
+        bar_radius=0.00396019,
+        bar_horizontal=0.0341019,
+        bar_vertical=-0.0130142,
+    )
+    run = bs.simulate(tool)
+    reference = bs.simulate_reference(tool, accuracy=1e-9)
+    assert run.stop_reason == reference.stop_reason == "end of the planned time"
+    names, times = event_names_and_times(run)
+    expected_names, expected_times = event_names_and_times(reference)
+    assert names == expected_names
+    assert times == pytest.approx(expected_times, rel=1e-5)
+
+
 def test_a_sticking_tip_whose_slip_friction_would_lock_leaves_the_workpart():
     """The tangential force reaches the friction cone while the tip is pressed on with 0.65 N.
 

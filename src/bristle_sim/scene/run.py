@@ -160,8 +160,8 @@ def _opens(system: System, motion: Motion, contact: ActiveContact) -> bool:
 def begin_motion(system: System, given: Motion) -> Motion:
     """Close the gaps of rigid contacts exactly; return a new motion with the contacts of ``given``.
 
-    The run stops in two cases: every wire has had the event ``stop_after`` and no contact has a
-    spring, or no force can keep a rigid contact closed.
+    A contact that no force can keep closed is released if it opens without force. Otherwise the run
+    stops. It also stops if every wire has had the event ``stop_after`` and no contact has a spring.
     """
     springs = given.springs
     if not (system.waiting or springs):
@@ -186,6 +186,12 @@ def begin_motion(system: System, given: Motion) -> Motion:
         system.sample({spring: spring.sample(system.closest, system.state) for spring in springs})
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)
+    locked = _locked(system, motion)
+    parting = tuple([contact for contact in locked if _parts(system, motion, contact)])
+    if parting:
+        return decide(system, motion, Happening(Kind.RELEASE, parting))
+    if locked:
+        _lock(system, ordered)
     motion.events = (
         *contact_events(system, active, motion.rigid),
         *motion_events(system, in_contact=bool(active)),
@@ -208,9 +214,30 @@ def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidCont
             rigid.set_slip(system.state, contact, system.slip_error(system.state))
     system.state = system.scene.joint_solver.set_back(system.state)
     rigid.engage(system.state)
-    if min(rigid.compliance_in_slip(system.state, index) for index in range(len(contacts))) <= 0.0:
-        _lock(system, contacts)
     return rigid
+
+
+def _locked(system: System, motion: Motion) -> list[ActiveContact]:
+    """Return the rigid contacts that no force can keep closed in their sense of slip."""
+    rigid = motion.rigid
+    return [
+        contact
+        for index, contact in enumerate(motion.ordered)
+        if rigid is not None and rigid.compliance_in_slip(system.state, index) <= 0.0
+    ]
+
+
+def _parts(system: System, motion: Motion, contact: ActiveContact) -> bool:
+    """Return whether a closed contact opens if it exerts no force, while all others stay closed."""
+    others = [each for each in motion.ordered if each is not contact]
+    rigid = RigidContacts(system.scene, others) if others else None
+    system.scene.keep_closed(())
+    if rigid is not None:
+        rigid.engage(system.state)
+    later = system.stepper.advance(
+        system.scene, system.state, system.plan.shortest, rigid, motion.forces
+    )
+    return system.closest(contact.pair, later.state).velocity[0] > 0.0
 
 
 def _lock(system: System, contacts: list[ActiveContact]) -> None:
