@@ -251,6 +251,31 @@ def test_a_tip_of_two_links_whose_slip_stops_sticks_before_it_slips_back():
     assert drag.impulse == pytest.approx(expected.impulse, rel=1e-4)
 
 
+def test_a_link_whose_slip_stops_as_another_is_released_does_not_slip_with_its_friction():
+    """Two links rub on the bar. The one stops and the other leaves: friction then works against its slip, never with it."""
+    tool = bs.Tool().replace(
+        hub_speed=1476.92,
+        bristle_length=0.0566387,
+        wire_diameter=2.52137e-4,
+        wire_links=3,
+        wire_modulus=7.51055e10,
+        wire_damping_ratio=0.060782,
+        knee_angle_deg=25.2957,
+        knee_position=0.704169,
+        belt_stiffness=3.91473,
+        belt_damping_ratio=0.134891,
+        bar_radius=2e-4,
+        bar_horizontal=0.0610263,
+        bar_vertical=0.0178397,
+        bar_friction=0.989372,
+        bar_restitution=0.106622,
+    )
+    run = bs.simulate(tool, bs.Settings(hub_turn=0.53))
+    work = [contact.work[1] for contact in run.contacts if contact.law == "sustained"]
+    assert len(work) > 4
+    assert max(work) <= 1e-9 * run.kinetic_energy.max()  # sums of several hundred steps
+
+
 def test_a_tip_that_slips_back_after_an_elastic_strike_leaves_the_workpart_where_friction_would_lock_it():
     """No force keeps the tip on the workpart in this sense of slip, and none is needed: it is drawn off.
 

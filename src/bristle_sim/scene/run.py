@@ -9,7 +9,7 @@ obstacles, because the integrator constrains only their velocities.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from bristle_sim.scene.collisions import end_contacts, jam, resolve_impacts
@@ -118,9 +118,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
     elif kind in SPRING_KINDS:
         motion = _after_spring_event(system, motion, subject, kind)
     elif kind is Kind.RELEASE:
-        separating = (*motion.separating, *(contact.pair for contact in subject))
-        staying = end_contacts(system, active, subject, Outcome.RELEASE, released=True)
-        motion = Motion(staying, separating)
+        motion = _released(system, motion, subject)
     elif kind is Kind.HAND_OVER:
         contact, following = subject
         staying = end_contacts(system, active, [contact], following.name)
@@ -132,6 +130,22 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         if kind is Kind.BREAKS_AWAY and _opens(system, motion, subject):
             return decide(system, motion, Happening(Kind.RELEASE, (subject,)))
     return motion if system.recording.stop_reason is not None else begin_motion(system, motion)
+
+
+def _released(system: System, motion: Motion, ending: Sequence[ActiveContact]) -> Motion:
+    """Record the contacts in ``ending`` as released, and return the motion without them.
+
+    The sense of slip of the others is to be found anew. Without slip velocity it may have been due
+    to the contacts that end.
+    """
+    separating = (*motion.separating, *(contact.pair for contact in ending))
+    active = motion.contacts
+    staying = Motion(
+        end_contacts(system, active, ending, Outcome.RELEASE, released=True), separating
+    )
+    for contact in staying.ordered:
+        contact.slip = None
+    return staying
 
 
 def _sense_after(motion: Motion, event: Happening) -> int:
