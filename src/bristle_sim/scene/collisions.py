@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bristle_sim.scene.contact import LEAST_SLIP, ActiveContact, Outcome
+from bristle_sim.scene.contact import LEAST_SLIP, ActiveContact, Outcome, RigidContacts
 from bristle_sim.scene.impacts import ENERGETIC, EnergeticLaw
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.motion import Motion
@@ -59,6 +59,40 @@ def jam(system: System, *pairs: ContactPair) -> None:
     """Record a jam of the links at the given pairs, and stop the run."""
     system.stop(StopReason.JAM)
     system.event("jam", sorted({wire for pair in pairs for wire in system.wires_of(pair)}))
+
+
+def locked_contacts(system: System, motion: Motion) -> list[ActiveContact]:
+    """Return the rigid contacts that no force can keep closed in their sense of slip."""
+    rigid = motion.rigid
+    return [
+        contact
+        for index, contact in enumerate(motion.ordered)
+        if rigid is not None and rigid.compliance_in_slip(system.state, index) <= 0.0
+    ]
+
+
+def opens_without_force(system: System, motion: Motion, contact: ActiveContact) -> bool:
+    """Return whether a closed contact opens if it exerts no force, while all others stay closed."""
+    others = [each for each in motion.ordered if each is not contact]
+    rigid = RigidContacts(system.scene, others) if others else None
+    system.scene.keep_closed(())
+    if rigid is not None:
+        rigid.engage(system.state)
+    later = system.stepper.advance(
+        system.scene, system.state, system.plan.shortest, rigid, motion.forces
+    )
+    return system.closest(contact.pair, later.state).velocity[0] > 0.0
+
+
+def lock(system: System, contacts: list[ActiveContact]) -> None:
+    """Stop a run in which no force can keep a contact closed.
+
+    With friction the link jams. Without friction it meets its obstacle end-on.
+    """
+    pairs = [contact.pair for contact in contacts]
+    if any(pair.friction for pair in pairs):
+        jam(system, *pairs)
+    system.stop(StopReason.NO_GRIP)
 
 
 def resolve_impacts(

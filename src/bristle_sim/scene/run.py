@@ -12,7 +12,14 @@ import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from bristle_sim.scene.collisions import end_contacts, jam, resolve_impacts
+from bristle_sim.scene.collisions import (
+    end_contacts,
+    jam,
+    lock,
+    locked_contacts,
+    opens_without_force,
+    resolve_impacts,
+)
 from bristle_sim.scene.contact import ActiveContact, Outcome, RigidContacts
 from bristle_sim.scene.events import (
     SPRING_KINDS,
@@ -114,7 +121,7 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
                 raise
             system.stop(StopReason.UNRESOLVED, str(error))
     elif kind is Kind.LOCKED:
-        _lock(system, [subject])
+        lock(system, [subject])
     elif kind in SPRING_KINDS:
         motion = _after_spring_event(system, motion, subject, kind)
     elif kind is Kind.RELEASE:
@@ -200,12 +207,12 @@ def begin_motion(system: System, given: Motion) -> Motion:
         system.sample({spring: spring.sample(system.closest, system.state) for spring in springs})
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)
-    locked = _locked(system, motion)
-    parting = tuple([contact for contact in locked if _parts(system, motion, contact)])
+    locked = locked_contacts(system, motion)
+    parting = tuple([contact for contact in locked if opens_without_force(system, motion, contact)])
     if parting:
         return decide(system, motion, Happening(Kind.RELEASE, parting))
     if locked:
-        _lock(system, ordered)
+        lock(system, ordered)
     motion.events = (
         *contact_events(system, active, motion.rigid),
         *motion_events(system, in_contact=bool(active)),
@@ -229,40 +236,6 @@ def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidCont
     system.state = system.scene.joint_solver.set_back(system.state)
     rigid.engage(system.state)
     return rigid
-
-
-def _locked(system: System, motion: Motion) -> list[ActiveContact]:
-    """Return the rigid contacts that no force can keep closed in their sense of slip."""
-    rigid = motion.rigid
-    return [
-        contact
-        for index, contact in enumerate(motion.ordered)
-        if rigid is not None and rigid.compliance_in_slip(system.state, index) <= 0.0
-    ]
-
-
-def _parts(system: System, motion: Motion, contact: ActiveContact) -> bool:
-    """Return whether a closed contact opens if it exerts no force, while all others stay closed."""
-    others = [each for each in motion.ordered if each is not contact]
-    rigid = RigidContacts(system.scene, others) if others else None
-    system.scene.keep_closed(())
-    if rigid is not None:
-        rigid.engage(system.state)
-    later = system.stepper.advance(
-        system.scene, system.state, system.plan.shortest, rigid, motion.forces
-    )
-    return system.closest(contact.pair, later.state).velocity[0] > 0.0
-
-
-def _lock(system: System, contacts: list[ActiveContact]) -> None:
-    """Stop a run in which no force can keep a contact closed.
-
-    With friction the link jams. Without friction it meets its obstacle end-on.
-    """
-    pairs = [contact.pair for contact in contacts]
-    if any(pair.friction for pair in pairs):
-        jam(system, *pairs)
-    system.stop(StopReason.NO_GRIP)
 
 
 def _contact_begun(
