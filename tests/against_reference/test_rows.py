@@ -88,6 +88,34 @@ def test_wide_apart_each_pass_is_the_lone_one(links: int) -> None:
         assert strike.impulse == pytest.approx(expected.impulse, rel=100.0 * ACCURACY)
 
 
+def test_the_highest_speed_of_a_bristle_is_recorded_while_another_one_drags() -> None:
+    """Wide apart, each bristle has the events of the lone one, a pitch of the hub's turn later; ten times the accuracy."""
+    tool = Tool().replace(
+        hub_speed=73.997,
+        hub_radius=0.0866462,
+        bristle_length=0.063774,
+        wire_diameter=2.80085e-4,
+        belt_stiffness=8.20296e-3,
+        belt_damping_ratio=1.21632,
+        bar_radius=2.15542e-3,
+        bar_horizontal=0.107977,
+        bar_vertical=0.0995382,
+        penetration=0.0134925,
+    )
+    pitch = 0.291832
+    settings = Settings(accuracy=ACCURACY, hub_turn=2.3)
+    lone = simulate(tool, settings, stop_after="strike")
+    given = {"bristles": 2, "pitch": pitch, "neighbour_friction": 0.0, "neighbour_restitution": 0.0}
+    for number, run in enumerate(simulate_row(tool, settings, stop_after="strike", **given)):
+        later = number * pitch / tool.hub.speed
+        events = run.events[: len(lone.events)]
+        assert "highest relative speed" in [each.name for each in lone.events]
+        assert [each.name for each in events] == [each.name for each in lone.events]
+        assert [each.time - later for each in events] == pytest.approx(
+            [each.time for each in lone.events], rel=10.0 * ACCURACY
+        )
+
+
 def test_one_bristle_is_the_lone_one_to_the_last_digit() -> None:
     (run,), single_link = row(1, 0.0), simulate(Tool(), SHORT)
     assert np.array_equal(run.angles, single_link.angles)

@@ -87,14 +87,15 @@ class Motion:
         self.ordered = [each for each in self.contacts if each not in self.springs]
 
 
-def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
+def motion_events(system: System, contacts: Sequence[ActiveContact]) -> Iterator[Event]:
     """Yield the events that do not belong to a contact.
 
     They are the largest retraction, the highest angular velocity, the retraction limit, and the
-    instant at which the tip leaves the dent of an earlier contact. ``in_contact`` states whether a
-    contact is active.
+    instant at which the tip leaves the dent of an earlier contact. A wire in one of the active
+    ``contacts`` has no highest angular velocity.
     """
     mechanism = system.mechanism
+    touching = {wire for contact in contacts for wire in system.wires_of(contact.pair)}
     hub_speed = mechanism.hub_speed
     effects = system.scene.effects
 
@@ -123,7 +124,7 @@ def motion_events(system: System, *, in_contact: bool) -> Iterator[Event]:
     for wire in range(0 if system.plan.single_contact else mechanism.wires):
         link = wire * mechanism.wire_links
         yield Event(Kind.LARGEST_RETRACTION, wire, partial(relative_rate, link), 1)
-        if not (in_contact or mechanism.jointed):  # a wire of several links vibrates
+        if not (wire in touching or mechanism.jointed):  # a wire of several links vibrates
             yield Event(Kind.HIGHEST_RELATIVE_SPEED, wire, partial(acceleration, link))
         yield Event(Kind.RETRACTION_LIMIT, wire, partial(left, link))
     for number, pair in enumerate(system.pairs):

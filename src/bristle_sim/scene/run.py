@@ -215,7 +215,7 @@ def begin_motion(system: System, given: Motion) -> Motion:
         lock(system, ordered)
     motion.events = (
         *contact_events(system, active, motion.rigid),
-        *motion_events(system, in_contact=bool(active)),
+        *motion_events(system, active),
     )
     start = IntervalResult(system.state)
     for event in motion.events:
