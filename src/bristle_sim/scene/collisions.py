@@ -130,7 +130,7 @@ def resolve_impacts(
         return Motion(contacts)
     after = Motion(contacts, motion.separating)
     if not single_link:
-        after = _after_all_touches(system, after, pair)
+        after = _after_all_touches(system, after, pair, rests=rests)
     else:
         springs = _springs_after_impact(system, after)
         rests = record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow
@@ -167,7 +167,9 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
     return min(rates)
 
 
-def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> Motion:
+def _after_all_touches(
+    system: System, motion: Motion, touched: ContactPair, *, rests: bool
+) -> Motion:
     """Resolve the impacts at all closed contacts of several links until no contact approaches.
 
     The contact with the fastest approach is always resolved first.
@@ -176,6 +178,8 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
         system: the run.
         motion: the motion after the first impact.
         touched: the pair of the first impact.
+        rests: whether all impacts are perfectly plastic. Otherwise links that come to rest would
+            excite each other's small rebounds without end.
 
     Returns:
         The motion after the impacts, with its contacts.
@@ -187,7 +191,7 @@ def _after_all_touches(system: System, motion: Motion, touched: ContactPair) -> 
         rates = {pair: system.approach(pair) for pair in closed}
         fastest = min(rates, key=rates.__getitem__)
         still = rates[fastest] >= -slow
-        if still or _resolve(system, fastest, rests=False).outcome == Outcome.JAM:
+        if still or _resolve(system, fastest, rests=rests).outcome == Outcome.JAM:
             break
     if not still:
         jam(system, fastest)

@@ -241,9 +241,7 @@ def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidCont
 def _contact_begun(
     system: System, motion: Motion, pair: ContactPair, name: str, rests: bool
 ) -> Motion | None:
-    """Return the motion after a touch that begins a contact; None if the touch is an impact.
-
-    The contact has a spring, or it is a rigid contact of a link that comes to rest.
+    """Return the motion after a touch that begins a contact with a spring; None for an impact.
 
     Args:
         system: the run.
@@ -253,19 +251,16 @@ def _contact_begun(
         rests: whether the link comes to rest.
     """
     law = system.law_of(pair)
-    rigid = law.instantaneous or (rests and not law.finite_duration)
+    if law.instantaneous or (rests and not law.finite_duration):
+        return None
     began = None
-    if rests and rigid and not system.mechanism.single_link:
-        # Coupled links would excite each other's small rebounds without end. Instead all touching
-        # links come to rest together.
-        began = ActiveContact(pair)
-    elif not rigid and -system.approach(pair) > system.slow:
+    if -system.approach(pair) > system.slow:
         began = begin_spring(system, motion, pair)
-    elif rests and law.finite_duration and not system.mechanism.single_link:
+    elif rests and not system.mechanism.single_link:
         began = pressed_on(system, motion, pair)
     if began is None:
         return None
-    system.event(name, system.wires_of(pair), lasts=isinstance(began, SpringContact))
+    system.event(name, system.wires_of(pair), lasts=True)
     separating = tuple(other for other in motion.separating if other is not pair)
     return Motion((*motion.contacts, began), separating)
 
