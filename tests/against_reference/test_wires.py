@@ -89,8 +89,7 @@ def test_a_wire_in_lasting_contacts(name: str) -> None:
     assert touches(scene)[:5] == pytest.approx(touches(reference)[:5], rel=10.0 * ACCURACY)
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * magnified * ACCURACY)
     assert all(together <= overlapping(run) for run in (scene, reference))
-    # Where taps precede the contact, either ends them at a rebound of about 1 mm/s: 1e-5 of the impulse.
-    assert pressed(scene) == pytest.approx(pressed(reference), rel=20.0 * ACCURACY)
+    assert pressed(scene) == pytest.approx(pressed(reference), rel=10.0 * ACCURACY)
 
 
 def test_a_contact_slides_over_a_joint_without_an_impact() -> None:
@@ -179,3 +178,33 @@ def test_a_thread_of_two_links(damping: float) -> None:
     run = simulate(tool, Settings(accuracy=1e-6), stop_after="strike")
     exact = simulate_reference(tool, accuracy=1e-9, stop_after="strike")
     assert run.event_time("strike") == pytest.approx(exact.event_time("strike"), rel=1e-5)
+
+
+def test_all_impulses_of_taps_and_rest_are_recorded() -> None:
+    """Both end the taps of a bouncing tip at other instants; the sums of impulse and work agree only if nothing is left out."""
+    tool = Tool().replace(
+        hub_speed=286.7,
+        bristle_length=0.0273,
+        wire_diameter=0.00118,
+        belt_damping_ratio=0.28,
+        friction=0.36,
+        restitution=0.3,
+        bar_friction=0.345,
+        bar_restitution=0.53,
+        belt_stiffness=0.0198,
+        bar_radius=0.0043,
+        bar_horizontal=0.0578,
+        bar_vertical=-0.0071,
+        penetration=0.0021,
+        knee_angle_deg=-45.5,
+        knee_position=0.83,
+        wire_links=2,
+        wire_damping_ratio=0.159,
+    )
+    runs = simulate(tool, Settings(accuracy=1e-8)), simulate_reference(tool, accuracy=1e-10)
+    for obstacle in ("bar", "workpart"):
+        impulses, expected = (
+            np.sum([each.impulse for each in run.contacts if each.obstacle == obstacle], axis=0)
+            for run in runs
+        )
+        assert impulses == pytest.approx(expected, abs=1e-7 * np.hypot(*expected))

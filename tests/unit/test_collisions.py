@@ -259,11 +259,14 @@ def test_a_tip_that_no_impulse_can_part_lasts_with_a_trace_of_speed() -> None:
     assert [contact.pair for contact in motion.contacts] == [pair]
 
 
-def test_a_link_of_several_that_comes_to_rest_has_no_impact() -> None:
+def test_a_link_of_several_that_comes_to_rest_has_an_impact_without_restitution() -> None:
     system, tip = two_rods((0.5, -0.7), 0.5)
+    before = system.approach(tip)
     motion = decide(system, Motion(), Happening(Kind.REST, tip))
     assert [contact.pair for contact in motion.contacts] == [tip]
-    assert system.recording.contacts == []
+    ((record, links),) = system.recording.contacts
+    assert (record.velocity_before[0], links) == (pytest.approx(before), (1,))
+    assert record.impulse[0] > 0.0
     assert system.approach(tip) == pytest.approx(0.0, abs=1e-12)
 
 
