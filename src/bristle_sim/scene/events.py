@@ -270,7 +270,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
     duration = spring.duration
     tolerance = max(LOCATED_VELOCITY * spring.stepper.noise, math.ulp(1.0))
 
-    @lru_cache(maxsize=1)
+    @lru_cache(maxsize=8)
     def touch(state: State) -> ClosestApproach:
         return system.closest(pair, state)
 

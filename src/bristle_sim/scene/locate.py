@@ -59,7 +59,7 @@ class Interval:
         instant: time after the start within which an event counts as an event at the start.
     """
 
-    __slots__ = ("_curve", "end", "first", "instant", "integrate_to", "length", "start")
+    __slots__ = ("_curve", "_known", "end", "first", "instant", "integrate_to", "length", "start")
 
     def __init__(
         self,
@@ -74,16 +74,14 @@ class Interval:
         self.length = end.state.time - first.state.time
         self.instant = ONE_INSTANT * (1.0 + end.state.time)
         self._curve: Curve | None = None
+        self._known = {self.length: end.state, 0.0: self.start}
 
     def at(self, time: float) -> State:
         """Return the interpolated state at a time that is measured from the interval's start."""
-        if time == 0.0:
-            return self.start
-        if time == self.length:
-            return self.end.state
-        if self._curve is None:
-            self._curve = Curve(self.start, self.end.middle, self.end.state)
-        return self._curve.at(time)
+        if time not in self._known:
+            self._curve = self._curve or Curve(self.start, self.end.middle, self.end.state)
+            self._known[time] = self._curve.at(time)
+        return self._known[time]
 
     def estimate(self, time: float) -> IntervalResult:
         """Return a result that contains only the interpolated state at a time after the start."""
@@ -191,7 +189,7 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     sense = -float(event.direction)
     length = interval.length
     results = [interval.estimate(part * length) for part in (0.0, 0.25, 0.5, 0.75)]
-    values = [sense * event.value(result) for result in (*results, interval.end)]
+    values = [sense * event.at(result) for result in (*results, interval.end)]
     if math.isnan(sum(values)) or values[-1] < 0.0:
         return interval
     least = min(max(values.index(min(values)), 1), 3)

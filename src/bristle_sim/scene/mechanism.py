@@ -159,7 +159,7 @@ class Mechanism:
         self.wire_links = len(self.links) // self.wires
         self.single_link = len(self.links) == 1
         self.jointed = self.wire_links > 1
-        self._known = deque(maxlen=3)
+        self._known = deque(maxlen=6)
 
     def root_angle(self, time: Times, link: int = 0) -> Times:
         """Return the angle (rad) of the root of the wire that contains a link.
@@ -173,7 +173,7 @@ class Mechanism:
     def poses(self, state: State) -> list[Pose]:
         """Return the positions and joint velocities of all links.
 
-        The results for the last three states are cached.
+        The results for the last six states are cached.
         """
         for known, poses in self._known:
             if known is state:

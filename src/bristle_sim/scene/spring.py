@@ -15,7 +15,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from pymunk._chipmunk_cffi import lib
+from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import ActiveContact, Outcome
@@ -271,15 +271,11 @@ class SpringContact(ActiveContact):
 
 def spring_forces(scene: Scene, springs: Sequence[SpringContact]) -> list[SpringForce]:
     """Return the functions with which an integrator applies the forces of contacts with springs."""
-    return [partial(_begin_force, scene, spring) for spring in springs]
+    return [_spring_force(scene, spring) for spring in springs]
 
 
-def _begin_force(
-    scene: Scene, spring: SpringContact, step: float
-) -> tuple[Callable[[], None], Callable[[], list[float]]]:
-    """Return the two functions of a ``SpringForce`` for a contact in its present phase.
-
-    ``step`` is the length of the steps in which the functions are called.
+def _spring_force(scene: Scene, spring: SpringContact) -> SpringForce:
+    """Return the function that begins the force of a contact in its present phase.
 
     In stick without a tangential spring, the tangential force in a step of length h cancels the
     slip velocity v_t of the previous step. It is -(K_nt N + v_t/h)/K_tt, with the normal force N
@@ -292,50 +288,54 @@ def _begin_force(
     law = spring.law
     link = scene.mechanism.links[pair.link]
     body = scene.links[pair.link]._body
-    corner = xy(link.corners[pair.corner] - link.centre)
+    corner = ffi.new("cpVect *", xy(link.corners[pair.corner] - link.centre))[0]
     push = partial(lib.cpBodyApplyForceAtWorldPoint, body)
     place_of = partial(lib.cpBodyLocalToWorld, body, corner)
     velocity_of = partial(lib.cpBodyGetVelocityAtLocalPoint, body, corner)
     stiffness = law.stiffness * law.steepness
     height = spring.surface - law.residual - pair.depth - pair.dent
     foot = spring.foot
-    ratio = -law.coefficient * spring.slip
-    stop_slip = stop_normal = rigidity = 0.0
-    if spring.elastic and not spring.slip:
-        rigidity = law.stiffness / law.compliance
-    normal_gain, coupling = spring.inverse_mass[0]
-    if spring.at_rest:
-        ratio = -normal_gain / coupling
-        stop_normal = 1.0 / (coupling * step)
-    elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
-        ratio = -coupling / tangential
-        stop_slip = 1.0 / (tangential * step)
-    pushes = loss = heat = 0.0
-    rubs: list[float] = []
+    friction = -law.coefficient * spring.slip
+    rigidity = law.stiffness / law.compliance if spring.elastic and not spring.slip else 0.0
 
-    def act() -> None:
-        nonlocal pushes, loss, heat
-        place = place_of()
-        velocity = velocity_of()
-        x = place.x
-        y = place.y
-        u = velocity.x
-        v = velocity.y
-        normal = stiffness * (height - y)
-        along = ratio * normal - stop_slip * u - stop_normal * v - rigidity * (x - foot)
-        push((along, normal), (x, y))
-        pushes += normal
-        loss += normal * v
-        heat += along * u
-        rubs.append(along)
+    def begin(step: float) -> tuple[Callable[[], None], Callable[[], list[float]]]:
+        ratio = friction
+        stop_slip = stop_normal = 0.0
+        normal_gain, coupling = spring.inverse_mass[0]
+        if spring.at_rest:
+            ratio = -normal_gain / coupling
+            stop_normal = 1.0 / (coupling * step)
+        elif not (spring.slip or rigidity) and (tangential := spring.compliance_in_stick):
+            ratio = -coupling / tangential
+            stop_slip = 1.0 / (tangential * step)
+        pushes = loss = heat = 0.0
+        rubs: list[float] = []
 
-    def read() -> list[float]:
-        place = place_of()
-        velocity = velocity_of()
-        normal = stiffness * (height - place.y)
-        along = ratio * normal - stop_slip * velocity.x - stop_normal * velocity.y
-        along -= rigidity * (place.x - foot)
-        impulse = (step * pushes, step * sum(rubs))
-        return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
+        def act() -> None:
+            nonlocal pushes, loss, heat
+            place = place_of()
+            velocity = velocity_of()
+            x = place.x
+            y = place.y
+            u = velocity.x
+            v = velocity.y
+            normal = stiffness * (height - y)
+            along = ratio * normal - stop_slip * u - stop_normal * v - rigidity * (x - foot)
+            push((along, normal), place)
+            pushes += normal
+            loss += normal * v
+            heat += along * u
+            rubs.append(along)
 
-    return act, read
+        def read() -> list[float]:
+            place = place_of()
+            velocity = velocity_of()
+            normal = stiffness * (height - place.y)
+            along = ratio * normal - stop_slip * velocity.x - stop_normal * velocity.y
+            along -= rigidity * (place.x - foot)
+            impulse = (step * pushes, step * sum(rubs))
+            return [normal, along, *impulse, step * loss, step * heat, [*rubs, along][1]]
+
+        return act, read
+
+    return begin
