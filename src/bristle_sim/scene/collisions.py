@@ -9,7 +9,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bristle_sim.scene.contact import LEAST_SLIP, ActiveContact, Outcome, RigidContacts
+from bristle_sim.scene.contact import (
+    LEAST_ACCELERATION,
+    LEAST_SLIP,
+    ActiveContact,
+    Outcome,
+    RigidContacts,
+)
 from bristle_sim.scene.impacts import ENERGETIC, EnergeticLaw
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.motion import Motion
@@ -44,7 +50,8 @@ def end_contacts(
         contacts: the active contacts.
         ending: the contacts that end.
         outcome: outcome that their records state.
-        released: whether each contact that ends is also recorded as an event, the release.
+        released: whether each contact that ends is also recorded as an event, the release. The
+            sense of slip of the other rigid contacts is then found anew.
     """
     system.scene.keep_closed(())
     for contact in ending:
@@ -52,23 +59,18 @@ def end_contacts(
             system.recording.contacts.append((record, system.links_of(contact.pair)))
         if released:
             system.event(f"{contact.pair.name} release", system.wires_of(contact.pair))
-    return tuple([contact for contact in contacts if contact not in ending])
+    staying = tuple([contact for contact in contacts if contact not in ending])
+    for contact in staying:
+        if released and not isinstance(contact, SpringContact):
+            # Without slip velocity, its sense may have been due to the contacts that end.
+            contact.slip = None
+    return staying
 
 
 def jam(system: System, *pairs: ContactPair) -> None:
     """Record a jam of the links at the given pairs, and stop the run."""
     system.stop(StopReason.JAM)
     system.event("jam", sorted({wire for pair in pairs for wire in system.wires_of(pair)}))
-
-
-def locked_contacts(system: System, motion: Motion) -> list[ActiveContact]:
-    """Return the rigid contacts that no force can keep closed in their sense of slip."""
-    rigid = motion.rigid
-    return [
-        contact
-        for index, contact in enumerate(motion.ordered)
-        if rigid is not None and rigid.compliance_in_slip(system.state, index) <= 0.0
-    ]
 
 
 def opens_without_force(system: System, motion: Motion, contact: ActiveContact) -> bool:
@@ -78,10 +80,9 @@ def opens_without_force(system: System, motion: Motion, contact: ActiveContact) 
     system.scene.keep_closed(())
     if rigid is not None:
         rigid.engage(system.state)
-    later = system.stepper.advance(
-        system.scene, system.state, system.plan.shortest, rigid, motion.forces
-    )
-    return system.closest(contact.pair, later.state).velocity[0] > 0.0
+    time = system.plan.shortest
+    later = system.stepper.advance(system.scene, system.state, time, rigid, motion.forces)
+    return system.closest(contact.pair, later.state).velocity[0] > LEAST_ACCELERATION * time
 
 
 def lock(system: System, contacts: list[ActiveContact]) -> None:

@@ -243,17 +243,6 @@ class RigidContacts:
         sums = sums_of(totals, index)
         return self.closed[index].pair.friction * sums.normal - abs(sums.tangential)
 
-    def breaks_away(self, totals: Sequence[float]) -> int | None:
-        """Return the index of the first sticking contact whose force exceeds the friction limit.
-
-        Return None if there is no such contact. ``totals`` is a list as the method ``totals``
-        returns it.
-        """
-        for index, contact in enumerate(self.closed):
-            if contact.slip == 0 and self.spare_friction(totals, index) < 0.0:
-                return index
-        return None
-
     def compliance_in_slip(self, state: State, index: int) -> float:
         """Return the relative compliance of a contact in slip, dimensionless.
 

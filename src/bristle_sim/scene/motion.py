@@ -166,7 +166,14 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
             result = at_once
             length = shortest
     if rigid is not None and (result.failed or first):
-        slipping = rigid.breaks_away(result.totals)
+        slipping = next(
+            (
+                index
+                for index, contact in enumerate(rigid.closed)
+                if contact.slip == 0 and rigid.spare_friction(result.totals, index) < 0.0
+            ),
+            None,
+        )
         if slipping is not None or rigid.fails(result.totals):
             return None, _lost(system, motion, result, length, slipping)
     if system.stepper.accepts(result, length):

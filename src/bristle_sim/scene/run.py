@@ -9,14 +9,13 @@ obstacles, because the integrator constrains only their velocities.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from bristle_sim.scene.collisions import (
     end_contacts,
     jam,
     lock,
-    locked_contacts,
     opens_without_force,
     resolve_impacts,
 )
@@ -125,7 +124,9 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
     elif kind in SPRING_KINDS:
         motion = _after_spring_event(system, motion, subject, kind)
     elif kind is Kind.RELEASE:
-        motion = _released(system, motion, subject)
+        separating = (*motion.separating, *(contact.pair for contact in subject))
+        staying = end_contacts(system, active, subject, Outcome.RELEASE, released=True)
+        motion = Motion(staying, separating)
     elif kind is Kind.HAND_OVER:
         contact, following = subject
         staying = end_contacts(system, active, [contact], following.name)
@@ -137,22 +138,6 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         if kind is Kind.BREAKS_AWAY and _opens(system, motion, subject):
             return decide(system, motion, Happening(Kind.RELEASE, (subject,)))
     return motion if system.recording.stop_reason is not None else begin_motion(system, motion)
-
-
-def _released(system: System, motion: Motion, ending: Sequence[ActiveContact]) -> Motion:
-    """Record the contacts in ``ending`` as released, and return the motion without them.
-
-    The sense of slip of the others is to be found anew. Without slip velocity it may have been due
-    to the contacts that end.
-    """
-    separating = (*motion.separating, *(contact.pair for contact in ending))
-    active = motion.contacts
-    staying = Motion(
-        end_contacts(system, active, ending, Outcome.RELEASE, released=True), separating
-    )
-    for contact in staying.ordered:
-        contact.slip = None
-    return staying
 
 
 def _sense_after(motion: Motion, event: Happening) -> int:
@@ -207,7 +192,12 @@ def begin_motion(system: System, given: Motion) -> Motion:
         system.sample({spring: spring.sample(system.closest, system.state) for spring in springs})
     steppers = [spring.stepper for spring in springs]
     system.stepper = min(steppers, key=lambda each: each.longest, default=system.flight)
-    locked = locked_contacts(system, motion)
+    rigid = motion.rigid
+    locked = [
+        contact
+        for index, contact in enumerate(ordered)
+        if rigid is not None and rigid.compliance_in_slip(system.state, index) <= 0.0
+    ]
     parting = tuple([contact for contact in locked if opens_without_force(system, motion, contact)])
     if parting:
         return decide(system, motion, Happening(Kind.RELEASE, parting))
