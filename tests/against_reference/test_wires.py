@@ -208,3 +208,26 @@ def test_all_impulses_of_taps_and_rest_are_recorded() -> None:
             for run in runs
         )
         assert impulses == pytest.approx(expected, abs=1e-7 * np.hypot(*expected))
+
+
+@pytest.mark.parametrize("accuracy", [1e-8, 1e-9])
+def test_slip_that_stops_and_returns_within_an_interval_is_not_missed(accuracy: float) -> None:
+    """The tip drags, stops for 18 us while the wire swings back, and drags on; without the stop it leaves 1.3 us earlier."""
+    tool = Tool().replace(
+        hub_speed=499.0716158992311,
+        bristle_length=0.03034353147389501,
+        wire_diameter=0.0006387282034420392,
+        friction=0.20411754630981072,
+        restitution=0.026585921988601414,
+        bar_radius=0.005904137397674605,
+        bar_horizontal=0.05453486165359689,
+        bar_vertical=0.022270192014409402,
+        belt_stiffness=0.023877838147033096,
+        penetration=0.006337786938014147,
+        wire_links=2,
+        wire_damping_ratio=0.007020825813729737,
+    )
+    scene = simulate(tool, Settings(accuracy=accuracy))
+    reference = simulate_reference(tool, accuracy=1e-9)
+    release = reference.event_time("workpart release")
+    assert scene.event_time("workpart release") == pytest.approx(release, rel=1e-6)
