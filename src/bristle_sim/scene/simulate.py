@@ -203,7 +203,10 @@ def prepare(
         damped_interval=damped_interval(scene),
         maximum_steps=settings.maximum_steps,
         time_scale=time_scale(scene),
-        scale=motion_scale(scene, start),
+        # A bar gives its bristle an angular velocity of the order of the hub's.
+        scale=1.0
+        if scene.effects.pairs or not mechanism.single_link
+        else motion_scale(scene, start),
     )
     damping = tool.bristle.bending_damping_ratio
     least_steps = DAMPED_STEPS * plan.end / plan.damped_interval
@@ -297,18 +300,14 @@ def time_scale(scene: Scene) -> float:
 
 
 def motion_scale(scene: Scene, start: State) -> float:
-    """Return the angular velocity (scene units) to which the errors of a motion are relative.
+    """Return the angular velocity (scene units) by which errors of a free bristle are divided.
 
-    For a single rigid bristle without obstacles it is the largest angular velocity relative to the
-    hub that the bristle reaches, but at most 1. A bristle of natural angular frequency w that is
-    released from rest at the angle a reaches the angular velocity a w. The scale is 1 for a bristle
-    that does not move, and for several links. It is also 1 with an obstacle, because the bar gives
-    the bristle an angular velocity of the order of the hub's.
+    It is the largest angular velocity relative to the hub that the single rigid bristle reaches,
+    but at most 1. A bristle of natural angular frequency w that is released from rest at the angle
+    a reaches the angular velocity a w. The result is 1 for a bristle that does not move.
     """
     mechanism = scene.mechanism
     effects = scene.effects
-    if effects.pairs or not mechanism.single_link:
-        return 1.0
     link = mechanism.links[0]
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
     stiffness = effects.stiffness + link.mass * abs(link.centre) * field
