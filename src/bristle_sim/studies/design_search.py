@@ -35,6 +35,7 @@ GENERATIONS = 30
 # Number of points that are refined: so many of the best sampled points, and as many of the best
 # evolved ones.
 STARTS = 4
+NEAR = 2  # of points whose fractions agree to so many decimals, one is refined
 # Step of a fraction in a finite difference. The truncation error is about 1e-10, as large as the
 # error of the passes.
 DIFFERENCE = 1e-5
@@ -205,12 +206,14 @@ class Search:
             updating="deferred",
         )
         best = np.argsort(evolved.population_energies)[:STARTS]
-        nearest = self.nearest(np.ones(len(self.conditions)))
         places = [self._closest(start, self.misses) for start in evolved.population[best]]
-        met = [each for each in [*places, nearest] if self.largest_miss(each) <= MET]
+        if self.conditions:
+            places.append(self.nearest(np.ones(len(self.conditions))))
+        met = [each for each in places if self.largest_miss(each) <= MET]
         if not met:
-            return nearest, False
-        found = np.transpose([self._improved(each) for each in met])
+            return places[-1], False
+        distinct = np.sort(np.unique(np.round(met, NEAR), axis=0, return_index=True)[1])
+        found = np.transpose([self._improved(met[each]) for each in distinct])
         return found[:, self.costs(found)[0].argmin()], True
 
     def nearest(self, weights: Array, missed: Number = 0.0, starts: Array | None = None) -> Array:
