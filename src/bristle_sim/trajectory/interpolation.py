@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.declared import Range
@@ -173,22 +173,53 @@ class Interpolation:
 
         The array has the shape (2, instants, columns): values first, then derivatives.
         """
-        from scipy.interpolate import KroghInterpolator
-
         time = self.run.time
         pieces = np.array(self._pieces)
         piece = np.searchsorted(time[pieces[:, 0]], instants, side="right") - 1
         first, last = pieces[piece].T
         low = np.clip(np.searchsorted(time, instants, side="right") - 1, first, last - 1)
+        _, places, own = np.unique(low, return_index=True, return_inverse=True)
+        windows = [_window(time, (first[each], last[each]), low[each]) for each in places]
+        sizes = np.array([len(each) for each in windows])
         found = np.empty((2, instants.size, self._states.shape[2]))
-        for each in np.unique(low):
-            own = np.flatnonzero(low == each)
-            rows = _window(time, (first[own[0]], last[own[0]]), each)
-            # of two nodes at one instant, the second belongs to the slope
-            states = self._states[rows].reshape(2 * len(rows), -1)
-            polynomial = KroghInterpolator(np.repeat(time[rows], 2), states)
-            found[:, own] = polynomial.derivatives(instants[own], 2)
+        for size in np.unique(sizes):
+            alike = np.flatnonzero(sizes == size)
+            chosen = np.flatnonzero(sizes[own] == size)
+            rows = np.array([windows[each] for each in alike]).T
+            polynomials = np.searchsorted(alike, own[chosen])
+            found[:, chosen] = _hermite(
+                time[rows], self._states[rows], polynomials, instants[chosen]
+            )
         return found
+
+
+def _hermite(time: Array, states: Array, own: NDArray[np.intp], instants: Array) -> Array:
+    """Return values of Hermite polynomials and their derivatives, each at its own instant.
+
+    They are Newton's divided differences, in which every sample counts twice.
+
+    Args:
+        time: times of the samples, s, shape (samples, polynomials).
+        states: values and slopes at the samples, shape (samples, polynomials, 2, columns).
+        own: index of the polynomial that is evaluated at each instant.
+        instants: instants, s.
+
+    Returns:
+        Values, then derivatives, shape (2, instants, columns).
+    """
+    nodes = np.repeat(time, 2, axis=0)[..., np.newaxis]
+    terms = np.repeat(states[:, :, 0], 2, axis=0)
+    terms[2::2] = np.diff(states[:, :, 0], axis=0) / np.diff(time, axis=0)[..., np.newaxis]
+    terms[1::2] = states[:, :, 1]  # a difference of two nodes at one instant is the slope
+    for order in range(2, len(nodes)):
+        terms[order:] = np.diff(terms[order - 1 :], axis=0) / (nodes[order:] - nodes[:-order])
+    value = terms[-1, own]
+    slope = np.zeros(value.shape)
+    for node, term in zip(nodes[-2::-1], terms[-2::-1], strict=True):
+        distance = instants[:, np.newaxis] - node[own]
+        slope = value + distance * slope
+        value = term[own] + distance * value
+    return np.array([value, slope])
 
 
 def _window(time: Array, piece: tuple[int, int], low: int) -> list[int]:
