@@ -286,7 +286,7 @@ def test_a_worker_ends_with_its_server() -> None:
     """In the middle of a run too: the server is killed, which leaves it no time to end anything."""
     program = (
         "from bristle_sim.cli.explore.worker import Worker\nworker = Worker()\nprint(worker._process.pid, flush=True)\n"
-        f"worker.answer('run', [{SLOW}, {{}}])"
+        f"worker.begin('run', [{SLOW}, {{}}])\nworker.answer()"
     )
     with subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
@@ -303,7 +303,7 @@ def test_a_program_of_any_form_may_start_a_worker(tmp_path: Path, from_file: boo
     """Without a guard, and without a file; the worker does not run it again."""
     program = (
         "from bristle_sim.cli.explore.worker import Worker\n"
-        "print('once')\nprint(Worker().answer('run', ({}, {}))['answer'])"
+        "print('once')\nworker = Worker()\nworker.begin('run', ({}, {}))\nprint(worker.answer()['answer'])"
     )
     file = tmp_path / "program.py"
     file.write_text(program)

@@ -82,11 +82,8 @@ class Worker:
         )
         weakref.finalize(self, _end, self._process)
 
-    def answer(self, kind: str, arguments: tuple[Any, ...]) -> Answer:
-        """Let the process do a computation, and return its result.
-
-        If the input was refused or the process ended, the entry ``error`` of the result states the
-        reason. A call of :meth:`rest` must follow.
+    def begin(self, kind: str, arguments: tuple[Any, ...]) -> None:
+        """Let the process begin a computation. Calls of :meth:`answer` and :meth:`rest` must follow.
 
         Args:
             kind: kind of computation, a key of ``KINDS``.
@@ -95,8 +92,16 @@ class Worker:
         late = f"not done in {TIME_LIMIT:g} s; take fewer links or a lower accuracy"
         self._end_after(TIME_LIMIT, late)
         self.progress = 0.0
-        try:
+        with contextlib.suppress(OSError):  # the process has ended
             self._send((kind, arguments))
+
+    def answer(self) -> Answer:
+        """Return the result of the computation.
+
+        If the input was refused or the process ended, the entry ``error`` of the result states the
+        reason.
+        """
+        try:
             while isinstance(found := pickle.load(self._process.stdout), float):
                 self.progress = found
         except (EOFError, OSError, pickle.UnpicklingError):
@@ -151,7 +156,7 @@ class Workers:
         """Do a computation for a page in a browser, and return its result.
 
         A new computation stops the earlier computation of the same page. An empty ``page`` stops
-        nothing. ``kind`` and ``arguments`` are those of :meth:`Worker.answer`.
+        nothing. ``kind`` and ``arguments`` are those of :meth:`Worker.begin`.
         """
         self._stop(page)
         if not self._free.acquire(timeout=TIME_LIMIT):
@@ -164,8 +169,9 @@ class Workers:
                 self._idle.append(Worker())  # it imports its modules until it is taken
             if page:
                 self._running[page] = worker
+            worker.begin(kind, arguments)  # before the lock lets a newer one stop it
         try:
-            return worker.answer(kind, arguments)
+            return worker.answer()
         finally:
             self._free.release()
             with self._lock:
