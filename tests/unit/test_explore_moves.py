@@ -47,13 +47,14 @@ window.moved = async (count, seed) => {
 """
 
 
-@pytest.fixture
-def address(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    monkeypatch.setattr(worker_module, "TIME_LIMIT", 600.0)
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
     serving = Server()
     thread = threading.Thread(target=serving.serve_forever)
     thread.start()
-    yield f"http://127.0.0.1:{serving.server_port}/"
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(worker_module, "TIME_LIMIT", 600.0)
+        yield f"http://127.0.0.1:{serving.server_port}/"
     serving.shutdown()
     thread.join()
 
