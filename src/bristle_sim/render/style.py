@@ -48,12 +48,6 @@ The keys are the outcomes as they are worded in sentences."""
 SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 """Colours of curves, in their order."""
 
-MILLIMETRES = 1e3
-MILLISECONDS = 1e3
-MICROSECONDS = 1e6
-MICROMETRES = 1e6
-"""Millimetres and micrometres in a metre, milliseconds and microseconds in a second."""
-
 Look = dict[str, Any]
 """Options of a drawing function of matplotlib, by name."""
 
@@ -179,7 +173,9 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     stated = {"svg": ("Creator", "Date", "Format", "Type"), "pdf": ("CreationDate",)}
     none = dict.fromkeys(stated.get(kind, ()))
     with complete_or_absent(target) as partial, styled():
-        figure.draw_without_rendering()
+        layout = figure.get_layout_engine()
+        if layout is not None:
+            layout.execute(figure)
         figure.set_layout_engine("none")  # a second layout would move panels a little
         figure.savefig(partial, format=kind, metadata=none)
     return target
