@@ -21,6 +21,7 @@ from bristle_sim.dissertation.audit import AuditRow, audit_rows, shown_number
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import MILLIMETRES
 from bristle_sim.render.dissertation_figures import (
     draw_panel,
     heading,
@@ -33,7 +34,6 @@ from bristle_sim.render.style import (
     GREEN,
     GREY,
     LIGHT,
-    MILLIMETRES,
     VERMILION,
     blank_figure,
     save_figure,

@@ -6,6 +6,12 @@ from decimal import Decimal
 
 WIDTH = 100  # largest width of a table, in characters
 
+MILLIMETRES = 1e3
+MILLISECONDS = 1e3
+MICROSECONDS = 1e6
+MICROMETRES = 1e6
+"""Millimetres and micrometres in a metre, milliseconds and microseconds in a second."""
+
 PREFIXES = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
 LARGEST_PREFIX = {

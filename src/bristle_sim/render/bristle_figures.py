@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
+from bristle_sim.readable import MICROSECONDS, MILLIMETRES, MILLISECONDS
 from bristle_sim.render.drawing import (
     draw_wires,
     show_points,
@@ -20,9 +21,6 @@ from bristle_sim.render.style import (
     BLUE,
     GREEN,
     LIGHT,
-    MICROSECONDS,
-    MILLIMETRES,
-    MILLISECONDS,
     SERIES,
     STRIKE_LOOKS,
     VERMILION,

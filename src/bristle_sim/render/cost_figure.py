@@ -18,12 +18,12 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
     package_of,
 )
 from bristle_sim.benchmarks.accuracy_cost.study import AccuracyCost, comparisons
+from bristle_sim.readable import MILLISECONDS
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
     GREEN,
     GREY,
-    MILLISECONDS,
     ORANGE,
     PURPLE,
     SKY,

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, MILLIMETRES, Look
+from bristle_sim.readable import MILLIMETRES
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, Look
 
 # Largest distance of a visible bar from the hub's centre, divided by the distance of the farthest
 # point of the wires

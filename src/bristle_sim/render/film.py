@@ -28,7 +28,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from bristle_sim.arrays import Array
 from bristle_sim.files import checked_target, complete_or_absent
-from bristle_sim.render.style import BLACK, MILLISECONDS, Scale, signed, styled
+from bristle_sim.readable import MILLISECONDS
+from bristle_sim.render.style import BLACK, Scale, signed, styled
 
 HIGHEST_RATE = {".gif": 50.0, ".mp4": 1000.0}
 """Largest number of frames per second, by file suffix. A gif counts time in hundredths of a second."""

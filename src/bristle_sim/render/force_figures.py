@@ -6,12 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bristle_sim.readable import MICROSECONDS, MILLISECONDS
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
     GREY,
-    MICROSECONDS,
-    MILLISECONDS,
     SKY,
     VERMILION,
     add_right_scale,

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
+from bristle_sim.readable import MICROMETRES, MICROSECONDS, MILLIMETRES
 from bristle_sim.render.drawing import show_points
 from bristle_sim.render.style import (
     BLACK,
@@ -18,9 +19,6 @@ from bristle_sim.render.style import (
     GREEN,
     GREY,
     LIGHT,
-    MICROMETRES,
-    MICROSECONDS,
-    MILLIMETRES,
     VERMILION,
     Look,
     blank_figure,

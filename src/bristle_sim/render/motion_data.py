@@ -12,8 +12,8 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import MILLIMETRES, MILLISECONDS
 from bristle_sim.render.story import phases, story_end
-from bristle_sim.render.style import MILLIMETRES, MILLISECONDS
 from bristle_sim.trajectory import ContactRecord, Interpolation, Motion, Trajectory
 
 # Point of an interval, as a fraction of its length, at which the error of interpolation is evaluated.

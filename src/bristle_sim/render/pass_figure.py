@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import MILLIMETRES, MILLISECONDS
 from bristle_sim.render.drawing import WireDrawing, draw_tool, show_wires
 from bristle_sim.render.story import CARRIED, key_events, story_end
 from bristle_sim.render.style import (
@@ -23,8 +24,6 @@ from bristle_sim.render.style import (
     BLUE,
     GREEN,
     GREY,
-    MILLIMETRES,
-    MILLISECONDS,
     ORANGE,
     PURPLE,
     VERMILION,

@@ -9,13 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bristle_sim.readable import MILLIMETRES, MILLISECONDS
 from bristle_sim.render.drawing import WireDrawing, draw_circle, draw_tool, show_points
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
     GREY,
-    MILLIMETRES,
-    MILLISECONDS,
     VERMILION,
     Look,
     blank_figure,

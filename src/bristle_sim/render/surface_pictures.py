@@ -16,12 +16,11 @@ from matplotlib.image import AxesImage
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
+from bristle_sim.readable import MICROMETRES, MILLIMETRES
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import (
     BLUE,
     GREY,
-    MICROMETRES,
-    MILLIMETRES,
     SKY,
     VERMILION,
     Scale,

@@ -18,11 +18,11 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import KEYS
 from bristle_sim.passes.result import QUANTITIES as QUANTITIES_OF_PASSES
 from bristle_sim.passes.result import Ensemble
+from bristle_sim.readable import MILLIMETRES
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
     GREY,
-    MILLIMETRES,
     OUTCOMES,
     SKY,
     STRIKE_LOOKS,

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bristle_sim.parameters import Tool
+from bristle_sim.readable import MILLIMETRES
 from bristle_sim.render.drawing import draw_wires, touch_places
 from bristle_sim.render.film import HEADER, Film, TimeWarp, slow_motion
 from bristle_sim.render.story import Phase, phase_at, phases, story_end
-from bristle_sim.render.style import BLACK, MILLIMETRES, SERIES, SKY, signed, styled
+from bristle_sim.render.style import BLACK, SERIES, SKY, signed, styled
 from bristle_sim.trajectory import Interpolation, Trajectory
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.arrays import Array
-from bristle_sim.readable import amount
+from bristle_sim.readable import MICROSECONDS, MILLIMETRES, amount
 from bristle_sim.render.drawing import add_arrows, draw_wires
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import (
@@ -22,8 +22,6 @@ from bristle_sim.render.style import (
     BLUE,
     GREEN,
     GREY,
-    MICROSECONDS,
-    MILLIMETRES,
     ORANGE,
     PURPLE,
     VERMILION,
