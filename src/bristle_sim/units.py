@@ -105,6 +105,9 @@ def conversion(unit: str, to: str) -> float | None:
     The result is None if the dimensions differ. An angle has a dimension of its own: 250 Hz is not
     converted to rad/s, nor N m to N m/rad.
     """
+    customary, size = DISPLAY.get(to, ("", 1.0))
+    if unit == customary:
+        return size  # without pint, whose import takes half a second
     try:
         factor = float(_registry().Quantity(1.0, unit).to(to.replace(" ", "*")).magnitude)
     # pint raises the errors of its parser: TokenError, ZeroDivisionError, AssertionError, ...

@@ -230,7 +230,8 @@ def test_every_displayed_unit_has_the_size_of_its_name(name: str):
         default = declared.default
         if isinstance(declared, Range) and declared.unit != "1":
             unit, size = declared.display
-            assert conversion(unit, declared.unit) == pytest.approx(size, rel=1e-15)
+            # In this direction the library is asked, not the table.
+            assert conversion(declared.unit, unit) == pytest.approx(1.0 / size, rel=1e-15)
             shown = declared.displayed(default)
             if default is not None and not declared.whole:
                 assert shown.endswith(f" {unit}")
