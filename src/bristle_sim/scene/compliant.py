@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.extrapolation import CLOSE, WIDE, Extrapolation, damped_interval
+from bristle_sim.scene.extrapolation import Extrapolation, damped_interval
 from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, impact_at
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
@@ -37,21 +37,20 @@ FORCE_ROUNDING = 1e-15
 """Velocity error of one interval that rounding error of the contact force causes, multiplied by
 T e* with the contact's duration T; scene units."""
 
-CLEAR_OF_ROUNDING = 1e4
-"""Least ratio of tolerance to rounding error at which the closely spaced numbers of steps ``CLOSE``
-are used for extrapolation. Their weights amplify rounding error 100 times as much as those of
-``WIDE``. Measured for accuracies from 0.1 to 1e-4: ``CLOSE`` needs two thirds to nine tenths of the
-steps of ``WIDE``, with the same error."""
+CONTACT_FRACTION = 0.03
+"""Error permitted in one interval of a contact, as a fraction of the run's accuracy: the errors of
+thirty intervals add up to the accuracy."""
 
 # Lower bound of d e*, in scene units, with the penetration d of a simulated contact. In a shallower
 # contact rounding error decides when the contact ends, and the rigid-body law is more accurate.
 LEAST_DEPTH = 1e-13
 
 SAMPLES_OF_A_COURSE = 24
-"""Least number of intervals in a contact. Their ends are the samples of its force history, which
-are joined by straight lines in a drawing. With e* = 0.42 seven of the 24 lie in restitution. The
-straight lines then differ from the force, a quarter of a sine wave, by (pi/14)^2/8 = 0.6 % of the
-peak. With half as many intervals the difference is 2.5 %, and the drawing looks like a polygon."""
+"""Least number of samples of a contact's force history, which are joined by straight lines in a
+drawing. They are taken at the end and in the middle of each interval. With e* = 0.42 seven of the
+24 lie in restitution. The straight lines then differ from the force, a quarter of a sine wave, by
+(pi/14)^2/8 = 0.6 % of the peak. With half as many samples the difference is 2.5 %, and the drawing
+looks like a polygon."""
 
 SAMPLES_OF_A_SWING = 5
 """Least number of intervals in half a period of the tangential spring's oscillation."""
@@ -134,7 +133,7 @@ class CompliantLaw(ContactLaw):
         # the duration alone.
         stiffness = self.stiffness or stiffness_for_duration(rigid, approach, restitution, duration)
         self.stiffness = self.stiffness if self.duration is None else stiffness
-        longest = min(duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
+        longest = min(2.0 * duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
         (normal, _), (_, tangential) = point.inverse_mass
         if compliance and tangential:
             rigid = impact_at(point, touch.velocity, pair, compliance)
@@ -144,8 +143,7 @@ class CompliantLaw(ContactLaw):
         # velocity is v/sqrt(K_nn/3).
         turning = rounding * max(1.0, math.sqrt(3.0 / normal))
         least = turning * FORCE_ROUNDING / (duration * unloading)
-        tolerance = max(0.1 * self.accuracy, least)
-        repetitions = CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE
+        tolerance = max(CONTACT_FRACTION * self.accuracy, least)
         law = ContactSpring(
             stiffness, restitution, pair.friction, pair.restitution_friction, compliance
         )
@@ -154,7 +152,7 @@ class CompliantLaw(ContactLaw):
             pair=pair,
             duration=duration,
             predicted=rigid.outcome_name,
-            stepper=Extrapolation(tolerance * fastest, repetitions, longest),
+            stepper=Extrapolation(tolerance * fastest, longest),
             surface=touch.gap,
             inverse_mass=point.inverse_mass,
             start=state,

@@ -158,11 +158,13 @@ def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ..
 
 HALVED = Repetitions(
     4, 6, 8, 10, 12, 14, 18, 22, 26, 30, 34, 40
-)  # even numbers of steps, so that the state in the middle of the interval is computed too
-CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)  # fewest steps for a given order
+)  # in flight; even numbers of steps, so that the state in the middle of the interval is computed too
+CLOSE = Repetitions(
+    4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24
+)  # in rigid contact; fewest steps for a given order
 WIDE = Repetitions(
     4, 6, 8, 12, 16, 24, 32, 48
-)  # small weights, for spring forces with the rounding error of a small penetration
+)  # with spring forces, which have the rounding error of a small penetration; even, small weights
 EVEN = Repetitions(
     2, 4, 6, 8, 10, 12, 16, 20, 24, power=2
 )  # for time-symmetric steps; the error of odd numbers of steps is a different polynomial
@@ -179,8 +181,6 @@ class Extrapolation:
 
     Args:
         tolerance: largest permitted error of an interval, in scene units.
-        repetitions: numbers of steps for motion with contacts. Other sequences apply to
-            time-symmetric steps and to motion without contacts.
         longest: longest interval that is proposed. The first interval may be longer. Any interval
             may be a tenth longer, to avoid a short remainder.
         damped_step: longest step whose error estimate is reliable with damping.
@@ -195,17 +195,15 @@ class Extrapolation:
     def __init__(
         self,
         tolerance: float,
-        repetitions: Repetitions = CLOSE,
         longest: float = math.inf,
         damped_step: float = math.inf,
     ) -> None:
         """Set the length of the first interval, in which a link rotates by about one radian."""
-        self._given = repetitions
-        self.table = repetitions
+        self.table = CLOSE
         self.longest = longest
         self.damped_step = damped_step
         self.length = 1.5
-        self.noise = max(tolerance, repetitions.noise[3])
+        self.noise = max(tolerance, CLOSE.noise[3])
 
     def propose(self, remaining: float) -> float:
         """Return the length of the next interval, of which a whole number fills the remaining time.
@@ -236,10 +234,11 @@ class Extrapolation:
                 in time, so steps with them are not symmetric.
         """
         symmetric = scene.couples_links and not springs
-        halved = rigid is None and not (springs or symmetric)
-        table = self.table = EVEN if symmetric else HALVED if halved else self._given
+        halved = bool(springs) or not (symmetric or rigid)
+        table = EVEN if symmetric else WIDE if springs else CLOSE if rigid else HALVED
+        self.table = table
         least = 3 if symmetric or self.noise > FEW_REPETITIONS else 4
-        early = EARLY_FRACTION * self.noise if halved else self.noise
+        early = self.noise if springs or not halved else EARLY_FRACTION * self.noise
         known: dict[int, float] = {}
         links = len(scene.links)
         results: list[list[float]] = []

@@ -264,10 +264,16 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
 
 
 def _add(system: System, motion: Motion, interval: Interval) -> None:
-    """Add the contacts' impulses and work in an interval, and record a sample with their forces."""
+    """Add the contacts' impulses and work in an interval, and record samples with their forces.
+
+    A force in the middle of the interval is that of the parabola that agrees with the forces at
+    both ends and with the impulse.
+    """
     motion.release_in = math.inf
-    ends: dict[ActiveContact, float] = {}
+    middle = interval.end.middle
     begins: dict[ActiveContact, float] = {}
+    middles: dict[ActiveContact, float] = {}
+    ends: dict[ActiveContact, float] = {}
     for index, contact in enumerate(motion.contacts):
         sums = sums_of(interval.end.totals, index)
         if not isinstance(contact, SpringContact):
@@ -276,11 +282,18 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
             contact.add(sums)
             motion.release_in = min(motion.release_in, BEYOND_RELEASE * left)
             begins[contact] = max(0.0, first)
+            middles[contact] = max(0.0, 0.5 * (first + sums.normal) - 0.25 * bend)
             ends[contact] = max(0.0, sums.normal)
         else:
             contact.add(sums)
+            if middle is not None:
+                both = sums.tangential_at_start + sums.tangential
+                contact.stick_force = 1.5 * sums.impulse_tangential / interval.length - 0.25 * both
+                middles[contact] = contact.sample(system.closest, middle)
             contact.stick_force = sums.tangential
             ends[contact] = contact.sample(system.closest, system.state)
+    if middle is not None:
+        system.sample(middles, state=middle)
     if motion.rigid is not None:
         if motion.before is None and not motion.springs:
             system.sample(begins, state=interval.start)

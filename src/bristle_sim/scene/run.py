@@ -135,8 +135,6 @@ def decide(system: System, motion: Motion, event: Happening) -> Motion:
         system.pairs[subject] = replace(system.pairs[subject], dent=0.0)
     elif kind is not Kind.KINK:
         subject.slip = _sense_after(motion, event)
-        if kind is Kind.BREAKS_AWAY and _opens(system, motion, subject):
-            return decide(system, motion, Happening(Kind.RELEASE, (subject,)))
     return motion if system.recording.stop_reason is not None else begin_motion(system, motion)
 
 
@@ -148,19 +146,6 @@ def _sense_after(motion: Motion, event: Happening) -> int:
     # A slip that geometry and hub determine does not stop but reverses.
     assert motion.rigid is not None
     return -(contact.slip or 0) if motion.rigid.prescribes_slip(contact) else 0
-
-
-def _opens(system: System, motion: Motion, contact: ActiveContact) -> bool:
-    """Return whether a contact that breaks away from stick opens, because slip would be unstable.
-
-    At the friction limit stick and slip have the same normal force N > 0. In slip the normal
-    acceleration is A N + b = 0, with the compliance A in slip and the acceleration b without
-    contact forces. If A is negative, b is positive. Without forces the contact then opens, and the
-    force in slip would grow or fall without bound (Painleve's paradox).
-    """
-    rigid = motion.rigid
-    assert rigid is not None
-    return rigid.compliance_in_slip(system.state, rigid.closed.index(contact)) <= 0.0
 
 
 def begin_motion(system: System, given: Motion) -> Motion:
