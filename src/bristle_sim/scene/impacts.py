@@ -88,7 +88,7 @@ def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> Contact
         free = 0.0 if along else turning  # without tangential motion every impulse acts as in stick
         return ContactPoint(touch, rows, ((turning,), (rubbing,)), (free,), lever * free)
     turn = np.exp(1j * np.array(state.angles))
-    levers = np.concatenate(contact_rows(mechanism, turn, [pair], [touch]))
+    levers = contact_rows(mechanism, turn, [pair], [touch])
     levers[1, abs(levers[1]) <= ROUNDING * np.hypot(*levers)] = 0.0
     to_scaled = np.linalg.inv(np.linalg.cholesky(mechanism.mass_matrix(turn)))
     columns = to_scaled @ levers.T

@@ -319,14 +319,15 @@ def contact_rows(
     turn: Complexes,
     pairs: Sequence[ContactPair],
     touches: Sequence[ClosestApproach],
-) -> tuple[Array, Array]:
-    """Return the Jacobians of the contact points' normal and tangential relative velocities.
+) -> Array:
+    """Return the Jacobian of the contact points' relative velocities.
 
-    Each has the shape (pairs, links). An entry is the lever, about a link's joint, of the contact's
-    normal n or of its tangent. With the arm r the lever of the normal is Re(i conj(n) r), and the
-    lever of the tangent is -Im(i conj(n) r). For the touching link r is the vector from its joint
-    to the contact point. For a link nearer the root r is the vector from its joint to its tip. The
-    entries of the other wire, if the obstacle is a link, have the opposite sign.
+    It has the shape (2 pairs, links): first the rows of the normal velocities of all pairs, then
+    those of the tangential velocities. An entry is the lever, about a link's joint, of the
+    contact's normal n or of its tangent. With the arm r the lever of the normal is Re(i conj(n) r),
+    and the lever of the tangent is -Im(i conj(n) r). For the touching link r is the vector from its
+    joint to the contact point. For a link nearer the root r is the vector from its joint to its
+    tip. The entries of the other wire, if the obstacle is a link, have the opposite sign.
 
     Args:
         mechanism: the mechanism.
@@ -342,7 +343,9 @@ def contact_rows(
             (pair.partner, touch.partner_arm, -across),
         ):
             if link is not None and arm is not None:
-                carriers = slice(link - link % mechanism.wire_links, link)
-                row[carriers] += factor * mechanism.tips[carriers] * turn[carriers]
+                first = link - link % mechanism.wire_links
+                if first != link:
+                    carriers = slice(first, link)
+                    row[carriers] += factor * mechanism.tips[carriers] * turn[carriers]
                 row[link] += factor * arm
-    return rows.real, -rows.imag
+    return np.concatenate([rows.real, -rows.imag])

@@ -81,11 +81,12 @@ class WireVelocities:
             damping: damping of the torsion springs of one wire, first that of the belt.
             bodies: the ``build.Placer`` of hub and links.
         """
-        from scipy.linalg.lapack import dposv  # imported where it is needed only
+        from scipy.linalg.lapack import dgelss, dposv  # imported where they are needed only
 
         self._solve = dposv
+        self._least_squares = dgelss
         self.symmetric = False
-        self.impulses: list[list[tuple[float, float, float]]] = []
+        self.impulses: list[list[list[float]]] = []
         self.set_contacts(())
         self._mechanism = mechanism
         size = mechanism.wire_links
@@ -101,8 +102,7 @@ class WireVelocities:
         self._bodies = bodies
         rows = np.frombuffer(bodies.values).reshape(-1, 6)
         self._hub = rows[0]
-        numbers = rows[1 : links + 1]
-        self._places = numbers[:, :2].view(np.complex128)[:, 0]
+        self._numbers = numbers = rows[1 : links + 1]
         self._angles = numbers[:, 2]
         self._motion = numbers[:, 3:]
         self._velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
@@ -111,10 +111,14 @@ class WireVelocities:
 
     def set_contacts(self, contacts: Sequence[ClosedPair]) -> None:
         """Keep the given sustained contacts closed in all further steps."""
+        count = len(contacts)
+        stuck = [count + index for index, each in enumerate(contacts) if each.slip == 0]
         self._contacts = contacts
         self._pairs = [each.pair for each in contacts]
-        self._stuck = [index for index, each in enumerate(contacts) if each.slip == 0]
-        self._ratios = np.array([-each.pair.friction * (each.slip or 0) for each in contacts])
+        self._zero = [*range(count), *stuck]
+        self._directions = np.eye(2 * count)[self._zero]
+        ratios = [-each.pair.friction * (each.slip or 0) for each in contacts]
+        self._directions[:count, count:] = np.diag(ratios)
 
     def set_back(self, state: State) -> State:
         """Return the closest state in which all contacts are closed and their gaps do not change.
@@ -127,19 +131,35 @@ class WireVelocities:
         """
         mechanism = self._mechanism
         contacts = self._contacts
-        stuck = self._stuck
         time, angles, rates = state[0], np.array(state.angles), np.array(state.rates)
         for _ in range(NEWTON_ROUNDS):
             turn = np.exp(1j * angles)
             poses = mechanism.poses(State(time, tuple(angles.tolist()), tuple(rates.tolist())))
             touches = [each.pair.closest(poses, rates.tolist(), each.piece) for each in contacts]
-            normals, tangents = contact_rows(mechanism, turn, self._pairs, touches)
-            speeds, slips = np.array([touch.velocity for touch in touches]).T
+            levers = contact_rows(mechanism, turn, self._pairs, touches)
+            gaps = np.array([touch.gap for touch in touches])
+            velocities = np.array([touch.velocity for touch in touches]).T.ravel()
             mass = mechanism.mass_matrix(turn)
-            angles = angles - _nearest(mass, normals, np.array([touch.gap for touch in touches]))
-            rows = np.array([*normals, *tangents[stuck]])
-            rates = rates - _nearest(mass, rows, np.array([*speeds, *slips[stuck]]))
+            angles = angles - self._nearest(mass, levers[: len(gaps)], gaps)
+            rates = rates - self._nearest(mass, levers[self._zero], velocities[self._zero])
         return State(time, tuple(angles.tolist()), tuple(rates.tolist()))
+
+    def _nearest(self, mass: Array, rows: Array, amounts: Array) -> Array:
+        """Return the smallest change x of angles or angular velocities with J x = ``amounts``.
+
+        The size of x is measured by the mass matrix.
+
+        Args:
+            mass: the mass matrix.
+            rows: Jacobian J of the gaps or velocities.
+            amounts: changes of the gaps or velocities.
+        """
+        response = self._solve(mass, rows.T)[1]
+        return np.asarray(response @ self._solution(rows @ response, amounts))
+
+    def _solution(self, matrix: Array, values: Array) -> Array:
+        """Return the smallest x for which ``matrix`` times x is closest to ``values``."""
+        return np.asarray(self._least_squares(matrix, values, cond=DEPENDENT)[1])
 
     def begin_symmetric(self) -> None:
         """Make all further steps symmetric in time; they start from the present velocities."""
@@ -203,28 +223,19 @@ class WireVelocities:
             matrix: the mass matrix with damping, as returned by ``_close_joints``.
         """
         mechanism = self._mechanism
-        stuck = self._stuck
-        ratios = self._ratios
         touches = [self._closest(turn, each) for each in self._contacts]
-        normals, tangents = contact_rows(mechanism, turn, self._pairs, touches)
-        speeds, slips = np.array([touch.velocity for touch in touches]).T
-        pushes = [*(normals + ratios[:, None] * tangents), *tangents[stuck]]
-        response = self._solve(matrix, np.array(pushes).T)[1]
-        rigid = np.array([*normals, *tangents[stuck]]) @ response
-        stopped = -np.array([*speeds, *slips[stuck]])
-        if len(stopped) == 1:  # a contact without lever bears no force
-            impulses = stopped / rigid[0] if rigid[0, 0] else np.zeros(1)
-        else:
-            impulses = np.linalg.lstsq(rigid, stopped, rcond=DEPENDENT)[0]
+        levers = contact_rows(mechanism, turn, self._pairs, touches)
+        velocities = np.array([touch.velocity for touch in touches]).T.ravel()
+        response = self._solve(matrix, (self._directions @ levers).T)[1]
+        impulses = self._solution(levers[self._zero] @ response, -velocities[self._zero])
         change = response @ impulses
         self._rates += change
         self._velocities += self._of_each_wire(1j * turn * change, mechanism.constants.arms)
         # An impulse p in a symmetric step changes the mean of old and new velocities by M^-1 p/2.
         impulses *= 2.0 if self.symmetric else 1.0
-        push = impulses[: len(normals)]
-        rub = ratios * push
-        rub[stuck] = impulses[len(normals) :]
-        self.impulses.append(np.array([push, rub, slips + tangents @ change]).T.tolist())
+        slips = (velocities + levers @ change)[len(touches) :]
+        numbers = np.concatenate([impulses @ self._directions, slips])
+        self.impulses.append(numbers.reshape(3, -1).T.tolist())
 
     def _closest(self, turn: Complexes, contact: ClosedPair) -> ClosestApproach:
         """Return the closest approach of a contact's link and obstacle.
@@ -238,24 +249,11 @@ class WireVelocities:
         for number in (contact.pair.link, contact.pair.partner):
             if number is not None:
                 link = mechanism.links[number]
-                rates[number] = rate = float(self._rates[number])
+                x, y, _, u, v, rate = self._numbers[number].tolist()
                 turned = complex(turn[number])
                 to_centre = link.centre * turned
-                joint = complex(self._places[number]) - to_centre
-                velocity = complex(self._velocities[number]) - 1j * rate * to_centre
+                joint = complex(x, y) - to_centre
+                velocity = complex(u, v) - 1j * rate * to_centre
                 poses[number] = link.pose(joint, velocity, turned)
+                rates[number] = rate
         return contact.pair.closest(poses, rates, contact.piece)
-
-
-def _nearest(mass: Array, rows: Array, amounts: Array) -> Array:
-    """Return the smallest change x of angles or angular velocities with J x = ``amounts``.
-
-    The size of x is measured by the mass matrix.
-
-    Args:
-        mass: the mass matrix.
-        rows: Jacobian J of the gaps or velocities.
-        amounts: changes of the gaps or velocities.
-    """
-    response = np.linalg.solve(mass, rows.T)
-    return np.asarray(response @ np.linalg.lstsq(rows @ response, amounts, rcond=DEPENDENT)[0])
