@@ -86,6 +86,38 @@ def test_a_spring_pushes_while_a_rigid_contact_lasts() -> None:
     assert min(forces) > 0.0
 
 
+def test_forces_in_the_middle_of_an_interval_are_those_of_an_interval_that_ends_there() -> None:
+    """The tip of three rods sticks as it is pressed in, and a bar holds the first rod.
+
+    The tip moves down: w_2 cos a_2 + w_3 cos a_3 = 0. Neither its tangential force nor the bar's force follows from
+    the penetration alone. The bar's force at the start of the first interval is unknown; a straight line stands for it.
+    """
+    mechanism = Mechanism((Link.rod(1.0, 1.0),) * 3)
+    angles = (0.4, -0.9, 0.7)
+    state = State(0.0, angles, (0.0, 0.3 * math.cos(0.7) / math.cos(0.9), -0.3))
+    joint, tip = (mechanism.poses(state)[link].corners[1] for link in (0, 2))
+    bar = BarPair(0.5 * joint - rect(0.2, 0.4), 0.15, 0.05, 0.0, 0.5, link=0)
+    part = WorkpartPair(-tip.imag, 3.0, 3.0, 0.5, link=2)
+    scene = Scene(mechanism, Effects(pairs=(bar, part)))
+    system = System(
+        scene, state, Extrapolation(1e-9), Plan(1.0, 1e-9), law=CompliantLaw(1e-3, 1e-6)
+    )
+    motion = decide(system, Motion((ActiveContact(bar),)), Happening(Kind.TOUCH, part))
+    (spring,) = motion.springs
+    assert spring.slip == 0
+    for tolerance in (2e-3, 3e-4, 3e-4, 3e-4):
+        interval, _ = integrate(system, motion)
+        assert interval is not None
+        half = interval.integrate_to(0.5 * interval.length)
+        at_bar, at_part = (sums_of(half.totals, index) for index in (0, 1))
+        accept(system, motion, interval)
+        time, normal, tangential, *_ = spring.rows[-2]
+        assert time == pytest.approx(half.state.time, rel=1e-12)
+        assert (normal, tangential) == pytest.approx(at_part[:2], rel=tolerance)
+        (total,) = system.recording.forces[-2]
+        assert total - at_part.normal == pytest.approx(at_bar.normal, rel=tolerance)
+
+
 def test_a_run_that_its_first_touch_stops_has_no_other() -> None:
     """A level rod is wedged between a plane under its tip and a bar above its middle, and approaches both."""
     mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 1.0, np.pi / 2.0)
