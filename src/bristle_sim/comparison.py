@@ -54,9 +54,10 @@ class Quantity:
 
     @property
     def judge(self) -> tuple[str, float] | None:
-        """Source and value with which the simulated value is compared; None if there is no value.
+        """Source and value of the number with which the simulated value is compared.
 
-        The source is the first of ``reference``, ``theory`` and ``printed`` that has a value.
+        The source is the first of ``reference``, ``theory`` and ``printed`` that has a value. The
+        result is None if none of the three has one.
         """
         known = ((name, getattr(self, name)) for name in JUDGES)
         return next((each for each in known if each[1] is not None), None)

@@ -157,7 +157,7 @@ class Overlap(NamedTuple):
 
 
 def overlaps(contact: Any) -> list[Overlap]:
-    """Return the geometry of each contact point in a contact point set of the engine.
+    """Return point, normal and depth of each overlap in a contact point set of the engine.
 
     The normals point towards the first shape.
     """

@@ -135,10 +135,10 @@ def table() -> Redrawn:
 
 @functools.cache
 def bristle_contact(*, impulse: bool) -> TimedContact:
-    """Simulate a contact of the bristle whose compression takes as long as that of eq. (3.19).
+    """Simulate a contact of the bristle with the compression time of the force in eq. (3.19).
 
-    If ``impulse`` is true, the contact also has the compressive impulse of (3.19). Otherwise the
-    contact begins with the speed of the operating point.
+    If ``impulse`` is true, the bristle strikes at the speed that gives the contact the compressive
+    impulse of (3.19) too. Otherwise it strikes at the speed of the operating point.
     """
     peak = BRISTLE.peak_time()
     return timed_contact(

@@ -319,5 +319,5 @@ def impact_curve(
 
 @cache
 def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord:
-    """Simulate a strike with a contact law, and return its contact."""
+    """Simulate a strike by the contact law ``law``, and return the record of the contact."""
     return strike(chain, surface, Contact(law), Settings()).contact

@@ -140,10 +140,10 @@ def key_values(tool: Tool) -> dict[str, float]:
 
 
 def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
-    """Return the passes that can be computed, and the reason why each other pass is refused.
+    """Return those passes that can be computed, and a reason for each pass considered.
 
-    Only the passes with the indices ``numbers`` are considered. The reason of an accepted pass is
-    empty.
+    The passes with the indices ``numbers`` are considered. The reason says why a pass is refused,
+    and is empty for a pass that can be computed.
     """
     values = request.at(numbers)
     law = request.tool.contact.law
@@ -161,11 +161,13 @@ def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.obj
 def _refusals(
     request: Request, values: Values, passes: Passes
 ) -> Iterator[tuple[Chosen, str, str]]:
-    """Yield masks of refused passes, each with the key of the refused value and its requirement.
+    """Yield, for each requirement, the mask of the passes that violate it, a key and a message.
 
-    A value is refused if it is outside the range of its key or the scope of this method, or if
-    dimensions contradict each other. A pass is also refused if the bristle overlaps an obstacle at
-    the start, or if the motion needs too many steps.
+    The message says which requirement the value of the key must meet. A value is refused if it is
+    outside the range of its key, if passes in arrays cannot have it, or if dimensions contradict
+    each other. A pass is also refused if the bristle overlaps an obstacle at the start (key:
+    ``penetration`` or ``bar_horizontal``), or if the motion needs too many steps (key:
+    ``belt_stiffness``).
     """
     for key, declared in KEYS.items():
         if key in request.given and isinstance(declared, Range):

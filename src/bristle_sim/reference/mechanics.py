@@ -158,7 +158,7 @@ class Chain:
         self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 
     def hub_angles(self, time: Any) -> Array:
-        """Return the hub angle of each link's wire at a time in s (rad), shape (..., links)."""
+        """Return the hub angle (rad) of each link's wire, shape (..., links); ``time`` is in s."""
         return np.asarray(np.add.outer(self.speed * time, self.start_hub_angles))
 
     def mass_matrix(self, turn: Complexes) -> Array:

@@ -105,7 +105,7 @@ def resolve_impacts(
         system: the run.
         motion: the motion before the impact.
         pair: the link and the obstacle that touch.
-        name: name of the touch as an event.
+        name: name under which the touch is recorded as an event.
         rests: whether the impact is perfectly plastic, so that the contact point does not rebound.
 
     Returns:

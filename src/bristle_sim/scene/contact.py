@@ -180,7 +180,7 @@ class RigidContacts:
         scene: the scene.
         closed: the contacts. Each has a sense of slip, which friction opposes and which is constant
             until the next event. The sense is None in two cases: the contact has no friction, or
-            the link is a single one and is at rest.
+            the wire is a single rigid link and this link is at rest.
     """
 
     def __init__(self, scene: Scene, closed: Sequence[ClosedPair]) -> None:

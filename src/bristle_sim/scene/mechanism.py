@@ -70,12 +70,12 @@ class Link:
 
 
 class State(NamedTuple):
-    """The state of a mechanism, in engine units.
+    """The state of a mechanism.
 
     Attributes:
-        time: time.
+        time: time, in engine units.
         angles: absolute angle of each link, rad.
-        rates: absolute angular velocity of each link.
+        rates: absolute angular velocity of each link, rad per engine unit of time.
     """
 
     time: float

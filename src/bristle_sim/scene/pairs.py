@@ -320,14 +320,13 @@ def contact_rows(
     pairs: Sequence[ContactPair],
     touches: Sequence[ClosestApproach],
 ) -> Array:
-    """Return the Jacobian of the contact points' relative velocities.
+    """Return the Jacobian of the contact points' velocities with respect to the links' rates.
 
     It has the shape (2 pairs, links): first the rows of the normal velocities of all pairs, then
-    those of the tangential velocities. An entry is the lever, about a link's joint, of the
-    contact's normal n or of its tangent. With the arm r the lever of the normal is Re(i conj(n) r),
-    and the lever of the tangent is -Im(i conj(n) r). For the touching link r is the vector from its
-    joint to the contact point. For a link nearer the root r is the vector from its joint to its
-    tip. The entries of the other wire, if the obstacle is a link, have the opposite sign.
+    those of the tangential velocities. With the contact normal n and an arm r, a link's entry is
+    Re(i conj(n) r) in a normal row and -Im(i conj(n) r) in a tangential row. For the touching link
+    r is the vector from its joint to the contact point. For a link between it and the root r is the
+    vector from joint to tip. The entries of another wire's links have the opposite sign.
 
     Args:
         mechanism: the mechanism.

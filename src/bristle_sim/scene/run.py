@@ -222,7 +222,7 @@ def _contact_begun(
         system: the run.
         motion: the motion before the touch.
         pair: the link and the obstacle that touch.
-        name: name of the touch as an event.
+        name: name under which the touch is recorded as an event.
         rests: whether the link comes to rest.
     """
     law = system.law_of(pair)

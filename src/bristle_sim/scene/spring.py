@@ -192,7 +192,10 @@ class SpringContact(ActiveContact):
 
     @property
     def compliance_in_stick(self) -> float:
-        """Tangential inverse mass K_tt of the contact point; 0 if friction cannot stop the slip."""
+        """Tangential inverse mass K_tt of the contact point in stick.
+
+        It is 0 if friction cannot stop the slip, so that the contact point cannot stick.
+        """
         (normal, _), (_, tangential) = self.inverse_mass
         least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.duration, MOST_TURN) ** 2)
         return tangential if tangential > least * normal else 0.0

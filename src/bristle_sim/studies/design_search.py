@@ -322,10 +322,11 @@ class Search:
 
 
 def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Function, Function]:
-    """Return two functions of one point: the values of ``function``, and their derivatives.
+    """Return two functions that take one point and return values and derivatives of ``function``.
 
-    ``function`` takes points as fractions of the ranges. The derivatives are difference quotients
-    between points that are inside the ranges, at most ``step`` from the given point. A derivative
+    A coordinate of a point is a parameter as a fraction of its range. ``function`` itself takes an
+    array of points. The derivatives are difference quotients between points that are inside the
+    ranges, at most ``step`` from the given point. A derivative
     that is not finite is replaced by 0. The values have the shape (values,), the derivatives
     (values, parameters). One call of ``function`` computes both, and both are stored until the
     point changes.

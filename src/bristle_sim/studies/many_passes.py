@@ -96,9 +96,10 @@ def pass_quantities(tool: Tool, settings: Settings, **values: Any) -> dict[str, 
     and ``entry_angle``, the angle between the surface and the tip's path before the strike, rad.
 
     Args:
-        tool: the tool that gives the values of all other parameters.
+        tool: the tool that gives the values of the parameters that are not in ``values``.
         settings: requested accuracy, and the angle by which the hub turns in a pass.
-        values: array of each varied parameter, by name. The arrays broadcast.
+        values: an array of values for each varied parameter, by name. The arrays are broadcast
+            together.
     """
     options: dict[str, Any] = {"accuracy": settings.accuracy, "hub_turn": settings.hub_turn}
     many = ensemble(tool, progress=_log, **options, **values)

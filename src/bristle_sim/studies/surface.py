@@ -1,10 +1,10 @@
 """From crater to surface: the roughness, the coverage and the area per hour that a tool makes,
 computed crater by crater.
 
-The first crater, which is cut into a plane, is the volume that the tip sweeps. The crater's depth
-follows from the energy of the contact, for a surface inclined to the tip's path (``crater_study``).
-Alternatively the first crater is a paraboloid of given size. The tool's strikes are placed on a
-part of its track, and ``ground`` cuts the crater of each strike.
+A crater on a plane is either the volume that the tip sweeps or a paraboloid of given size. The
+depth of the swept volume follows from the energy of the contact, for a surface inclined to the
+tip's path (``crater_study``). The tool's strikes are placed on a part of its track. The module
+``ground`` cuts their craters, which meet earlier craters.
 """
 
 import io

@@ -115,8 +115,8 @@ def _check(
     """Check the arguments of a sweep.
 
     Raises:
-        ValueError: for invalid workers or an invalid store, or a function that does not take the
-            keyword arguments of a point.
+        ValueError: if ``workers`` or ``store`` is invalid, or if ``function`` does not take the
+            names in ``arguments`` as keywords.
     """
     pool = isinstance(workers, Executor | None) or client_of(workers) is not None
     number = isinstance(workers, Integral) and not isinstance(workers, bool)

@@ -1,10 +1,10 @@
 """Results of a sweep on the grid of its points, kept as zarr arrays in memory or in a folder.
 
-Points are written to a folder as they are finished. The folder is checked before more points are
-computed, and read by xarray. zarr divides an array into chunks. Each chunk is a file with a
-checksum, and is replaced as a whole. A crash therefore leaves the other chunks intact, and xarray
-reads only the chunks in use. Damaged metadata and coordinates can be restored, so that no point is
-lost.
+Points are written to a folder as they are finished. The folder is checked before a sweep
+continues. zarr divides an array into chunks. Each chunk is a file with a checksum, and is replaced
+as a whole. A crash can therefore damage only the chunk that is being written. xarray opens the
+folder, and reads only the chunks that are requested. Damaged metadata and coordinates can be
+restored, so that no point is lost.
 """
 
 import json
@@ -183,8 +183,9 @@ class Results:
     def _contents(self) -> dict[str, Any]:
         """Return the contents of the metadata and coordinate files, by file name.
 
-        The results themselves are not included. The shapes of all results, with a checksum, are in
-        the metadata of the folder and also in those of the array of reasons.
+        The results themselves are not included. The shapes of all results and a checksum of these
+        shapes are written twice: to the metadata of the folder, and to the metadata of the array
+        that holds the reasons of failures.
         """
         contents = dict[str, Any]()
         memory = zarr.storage.MemoryStore(contents)

@@ -261,9 +261,9 @@ def sobol_study(
     values = values.reshape(len(outputs), inputs + 2, samples)
 
     def indices(chosen: slice) -> Array:
-        """Return first-order and total Sobol indices, shape (2, outputs, inputs).
+        """Return the first-order Sobol indices, then the total ones, shape (2, outputs, inputs).
 
-        ``chosen`` selects the points of each sample from which the indices are estimated.
+        They are estimated from the points ``chosen`` of each of the samples A, B and AB.
         """
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}

@@ -153,9 +153,9 @@ class CuttingWidth:
 
     Attributes:
         half_width: radius h of the wire, m.
-        swing: length s, m. It is the length of the part of the face below the surface at the final
-            depth, times the ratio of the ellipse's short to its long axis. The dissertation prints
-            h - s = 1.39e-4 m.
+        swing: length s, m. The end face of the wire is an ellipse, of which a part is below the
+            surface at the final depth. s is the length of this part, multiplied by the ratio of the
+            ellipse's short axis to its long one. The dissertation prints h - s = 1.39e-4 m.
         decay: decay rate of the motion, 1/s.
     """
 

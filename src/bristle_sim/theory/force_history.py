@@ -109,10 +109,11 @@ class ForceCurve:
         return self._integral(end) - self._integral(start)
 
     def _integral(self, time: ArrayLike) -> Number:
-        """Return the impulse of the force from first touch to times in s, N s.
+        """Return the impulse (N s) of the force from first touch to each of the times (s).
 
-        The cosine is the real part of e^(i w (t + t_o)), with w = 2 pi/period and the lead t_o. Its
-        product with the decay e^(-lambda t) has the exponent z t + i w t_o with z = -lambda + i w.
+        The varying part of the force is proportional to e^(-lambda t) cos(w (t + t_o)), with
+        w = 2 pi/period and the lead t_o. It is integrated as the real part of e^(z t + i w t_o),
+        with z = -lambda + i w.
         """
         t = np.asarray(time, dtype=float)
         exponent = complex(-self.decay, self._turn)

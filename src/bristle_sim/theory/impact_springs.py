@@ -72,7 +72,10 @@ class Contact:
 
     @property
     def steep(self) -> float:
-        """Square root of the normal stiffness: 1 in loading, 1/e* in unloading."""
+        """Square root of the ratio of the present normal stiffness to that in loading.
+
+        It is 1 in loading and 1/e* in unloading, with the energetic coefficient of restitution e*.
+        """
         return 1.0 if self.loading else 1.0 / self.restitution
 
     @property

@@ -106,13 +106,15 @@ class EventFunction:
 
     Attributes:
         modes: the fast and the slow mode.
-        weights: weight of the fast mode (real part) and of the slow mode (imaginary part).
-        sizes: sizes of the terms of which the weights are sums, for the rounding errors.
+        weights: two real weights as one complex number: that of the fast mode is the real part,
+            that of the slow mode the imaginary part.
+        sizes: magnitude from which the rounding error of either weight follows. A weight is a sum
+            of terms; the magnitude is the sum of the terms' magnitudes.
         constant: constant part of the function.
         noise: least rounding error of the function.
-        still: whether the slow mode moves by rounding error only.
-        slip: sense in which the foot slips after the event; 0 if the event ends loading or
-            unloading.
+        still: whether the slow mode is at rest except for rounding error.
+        slip: sense in which the foot slips after an event that begins its slip; 0 for an event that
+            ends loading or unloading.
         time: time up to which the function has not fallen to zero; infinite if it never will.
     """
 

@@ -226,8 +226,9 @@ def _window(time: Array, piece: tuple[int, int], low: int) -> list[int]:
     """Return the indices of the samples through which the polynomial of an interval passes.
 
     They are the interval's two ends and samples beside it, at most ``MOST_SAMPLES`` in all and at
-    most ``MOST_ON_ONE_SIDE`` beyond either end. All lie in the interval's smooth section of the
-    run, at suitable distances from each other.
+    most ``MOST_ON_ONE_SIDE`` beyond either end. All lie in ``piece``. The distance of a sample from
+    the next chosen one is between ``SHORTEST_DISTANCE`` and ``LONGEST_DISTANCE``, in lengths of the
+    interval.
 
     Args:
         time: times of all samples, s.

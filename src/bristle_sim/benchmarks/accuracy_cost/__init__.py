@@ -17,7 +17,7 @@ from bristle_sim.fields import choice
 
 @dataclass(frozen=True, slots=True)
 class Effort(Declared):
-    """Options of the measurement: the effort, and the packages to measure.
+    """Options of the measurement: how much is measured, and which packages take part.
 
     At ``quick`` effort fewer settings of each method are measured than at ``full`` effort, and each
     setting is measured fewer times.

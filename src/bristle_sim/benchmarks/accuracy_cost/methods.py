@@ -93,10 +93,10 @@ def _flight_of_built_scene(case: Case) -> list[Attempt]:
         return flown(angle, rate, before)
 
     def flown(angle: float, rate: float, before: int) -> Run:
-        """Return the final state relative to the hub (rad, rad/s), and the number of engine steps.
+        """Return a flight's final state relative to the hub (rad, rad/s), and its engine steps.
 
-        ``angle`` (rad) and ``rate`` (in scene units) are absolute. ``before`` is the number of the
-        scene's engine steps before the flight.
+        ``angle`` (rad) and ``rate`` (scene units) are those at the end of the flight, and absolute.
+        ``before`` is the number of engine steps that the scene had taken before the flight.
         """
         relative = (angle - scene.mechanism.root_angle(end), (rate - hub_speed) / units.time)
         return Run(relative, scene.steps - before)
@@ -219,7 +219,7 @@ def scipy_flight(case: Case) -> list[Attempt]:
 
 
 def scipy_pass(case: Case) -> list[Attempt]:
-    """Return attempts at a pass by the project's independent reference solution.
+    """Return runs of a pass by the project's independent reference, one for each accuracy.
 
     The reference integrates with SciPy and locates all events on the integrator's dense output.
     """
