@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import OptimizeResult
 
 import bristle_sim as bs
 from bristle_sim.cli import command
+from bristle_sim.studies import design_search
 
 FREE = bs.Tool(bar=None)
 REACH = FREE.hub.radius + FREE.bristle.length
@@ -44,6 +47,24 @@ def test_a_goal_ends_at_the_limit_of_the_impulse_which_is_proportional_to_the_sp
         maximize="tip_speed_at_contact",
     )
     assert found.varied["hub_speed"] == pytest.approx(250.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("end", "best"), [(0.9, 0.4), (0.1, 0.4), (0.5, 0.5)])
+def test_a_minimisation_that_a_jump_misleads_gives_the_best_speed_on_its_way(
+    end: float, best: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Impulse and speed are proportional to the fraction of the hub's range; the limit lies at 0.5, beyond it nothing is met."""
+    limit = {"normal_final_impulse": float(bs.ensemble(FREE, hub_speed=300.0).normal_final_impulse)}
+    ranges = {"hub_speed": (100.0, 500.0)}
+    search = design_search.Search(FREE, ranges, {}, limit, "tip_speed_at_contact", -1.0)
+
+    def minimize(*_: Any, callback: Callable[[np.ndarray], None], **__: Any) -> OptimizeResult:
+        for place in (0.4, 0.7, 0.2):
+            callback(np.array([place]))
+        return OptimizeResult(x=np.array([end]))
+
+    monkeypatch.setattr(design_search, "minimize", minimize)
+    assert search._improved(np.array([0.3])) == pytest.approx([best])
 
 
 def test_the_keys_change_least_where_the_wants_leave_a_choice():

@@ -32,9 +32,7 @@ SEED = 1
 SURVEYED = 1024  # number of sampled points; the passes of fewer points would take as long
 POPULATION = 256  # number of points in each generation of the differential evolution
 GENERATIONS = 30
-# Number of points that are refined: so many of the best sampled points, and as many of the best
-# evolved ones.
-STARTS = 4
+STARTS = 4  # number of the best sampled points that are refined, and of the best evolved ones
 NEAR = 2  # of points whose fractions agree to so many decimals, one is refined
 # Step of a fraction in a finite difference. The truncation error is about 1e-10, as large as the
 # error of the passes.
@@ -45,13 +43,10 @@ SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
 PENALTY = 30.0
 NO_STRIKE = 1e6  # value that replaces the goal where a pass lacks the quantities
 MET = 1e-6  # largest deviation at which a condition counts as met, in standard deviations
-# Decimals of a parameter's fraction of its range. Further decimals are rounding error, by which an
-# unchanged parameter would change by about 1e-18.
-DIGITS = 12
+DIGITS = 12  # decimals of a parameter's fraction of its range; further ones are rounding error
 MOST_STEPS = 60  # largest number of iterations of a refinement
 CURVE_POINTS = 25
-# Weight of the conditions that a point on the curve of compromises must meet. Their deviation is
-# then about 1e-6 standard deviations.
+# weight of the conditions that a point on the curve of compromises must meet, to about 1e-6
 STIFFNESS = 1e3
 
 Function = Callable[[Array], Array]
@@ -273,9 +268,7 @@ class Search:
         return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
 
     def _closest(self, start: Array, function: Function) -> Array:
-        """Return the point near ``start`` at which the sum of squares of a function's values is
-        least.
-        """
+        """Return the point near ``start`` of the least sum of squares of a function's values."""
         if not self.conditions:
             return start
         value, slopes = with_derivatives(function)
@@ -294,8 +287,11 @@ class Search:
     def _improved(self, start: Array) -> Array:
         """Return the point near ``start`` of least objective, subject to the conditions.
 
-        If the minimisation ends at a point that violates a condition, ``start`` is returned.
+        Where the outcome of a pass changes, the objective and the conditions jump. The minimisation
+        may then end at a point that is worse than another one on its way, or that violates a
+        condition. The best point on its way that meets the conditions is then returned.
         """
+        way = [start]
         value, slopes = with_derivatives(
             lambda place: np.nan_to_num(self.costs(place), nan=NO_STRIKE)
         )
@@ -316,9 +312,15 @@ class Search:
             constraints=conditions,
             method="SLSQP",
             options={"ftol": 1e-12, "maxiter": MOST_STEPS},
+            callback=lambda place: way.append(place.copy()),
         )
-        place = np.clip(found.x.round(DIGITS), 0.0, 1.0)
-        return place if self.largest_miss(place) <= MET else start
+        places = np.clip(np.transpose([*way, found.x]).round(DIGITS), 0.0, 1.0)
+        met = np.max(np.abs(self.misses(places)), axis=0, initial=0.0) <= MET
+        costs = np.where(met, self.costs(places)[0], np.nan)
+        best = int(np.nanargmin(costs))
+        # A point that violates a condition by up to MET has gained a few MET of the objective.
+        last = costs[-1] <= costs[best] + 10.0 * MET
+        return np.asarray(places[:, -1 if last else best])
 
 
 def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Function, Function]:
