@@ -29,6 +29,11 @@ BEYOND_RELEASE = 1.02
 """Ratio of the next interval's length to the time until an expected release. It exceeds 1, so that
 the release lies within the interval."""
 
+CORNERS = (Kind.KINK, Kind.HAND_OVER)  # kinds of events at which the motion of a wire has a kink
+BEYOND_CORNER = 1.001
+"""Ratio of the next interval's length to the estimated time of a kink that the rejected interval
+contained. The kink is then located in an interval that is smooth but for its last thousandth."""
+
 # Shortest interval, in engine time units. A shorter one is not accurate: its motion is of the order
 # of rounding error.
 SHORTEST_INTERVAL = 1e-13
@@ -179,6 +184,11 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
     if system.stepper.accepts(result, length):
         before = (motion.before or IntervalResult(start))._replace(state=start)
         return Interval(before, result, integrate_to), None
+    for event in motion.events if result.error < math.inf else ():
+        if event.kind in CORNERS:
+            left, right = (event.value(each) for each in (IntervalResult(start), result))
+            if left * right < 0.0:
+                motion.limit = min(motion.limit, BEYOND_CORNER * length * left / (left - right))
     durations = [SHORTEST_CONTACT_INTERVAL * spring.duration for spring in motion.springs]
     if length < min(durations, default=SHORTEST_INTERVAL):
         system.stop(StopReason.ACCURACY)
