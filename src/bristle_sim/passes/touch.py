@@ -25,7 +25,8 @@ from bristle_sim.passes.state import (
 )
 from bristle_sim.theory.impact_phases import JAM, resolve_phases
 
-MOST_TOUCHES = 3000  # most touches of the bar in a pass; a restitution near 1 gives endlessly many
+# Largest number of touches of the bar in a pass. With a restitution near 1 it has no other bound.
+MOST_TOUCHES = 3000
 
 HEIGHT_ROUNDING = 1e-14
 """Height of the lowest rebound whose gap exceeds rounding error, divided by the bristle's length."""

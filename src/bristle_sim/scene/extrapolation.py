@@ -234,11 +234,11 @@ class Extrapolation:
                 in time, so steps with them are not symmetric.
         """
         symmetric = scene.couples_links and not springs
-        halved = bool(springs) or not (symmetric or rigid)
         table = EVEN if symmetric else WIDE if springs else CLOSE if rigid else HALVED
         self.table = table
+        halved = table is HALVED or table is WIDE
         least = 3 if symmetric or self.noise > FEW_REPETITIONS else 4
-        early = self.noise if springs or not halved else EARLY_FRACTION * self.noise
+        early = EARLY_FRACTION * self.noise if table is HALVED else self.noise
         known: dict[int, float] = {}
         links = len(scene.links)
         results: list[list[float]] = []

@@ -320,7 +320,7 @@ def contact_rows(
     pairs: Sequence[ContactPair],
     touches: Sequence[ClosestApproach],
 ) -> Array:
-    """Return the Jacobian of the contact points' velocities with respect to the links' rates.
+    """Return the Jacobian of the contact points' velocities in the links' angular velocities.
 
     It has the shape (2 pairs, links): first the rows of the normal velocities of all pairs, then
     those of the tangential velocities. With the contact normal n and an arm r, a link's entry is

@@ -115,6 +115,7 @@ class WireVelocities:
         stuck = [count + index for index, each in enumerate(contacts) if each.slip == 0]
         self._contacts = contacts
         self._pairs = [each.pair for each in contacts]
+        # R selects rows of the Jacobian, Q combines them; both stand in the module's equations
         self._zero = [*range(count), *stuck]
         self._directions = np.eye(2 * count)[self._zero]
         ratios = [-each.pair.friction * (each.slip or 0) for each in contacts]

@@ -33,7 +33,7 @@ SURVEYED = 1024  # number of sampled points; the passes of fewer points would ta
 POPULATION = 256  # number of points in each generation of the differential evolution
 GENERATIONS = 30
 STARTS = 4  # number of the best sampled points that are refined, and of the best evolved ones
-NEAR = 2  # of points whose fractions agree to so many decimals, one is refined
+NEAR = 2  # decimals of the fractions; of points that agree to these decimals only one is refined
 # Step of a fraction in a finite difference. The truncation error is about 1e-10, as large as the
 # error of the passes.
 DIFFERENCE = 1e-5

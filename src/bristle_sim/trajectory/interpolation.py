@@ -196,7 +196,7 @@ class Interpolation:
 def _hermite(time: Array, states: Array, own: NDArray[np.intp], instants: Array) -> Array:
     """Return values of Hermite polynomials and their derivatives, each at its own instant.
 
-    They are Newton's divided differences, in which every sample counts twice.
+    The polynomials are found by Newton's divided differences, in which every sample counts twice.
 
     Args:
         time: times of the samples, s, shape (samples, polynomials).
