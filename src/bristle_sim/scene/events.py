@@ -212,6 +212,15 @@ def _rigid_events(
     single = system.mechanism.single_link
     least = LEAST_OF_SINGLE_LINK if single else LEAST_COMPLIANCE_IN_SLIP
 
+    def inclination(partner: int, at: IntervalResult) -> float:
+        """Return the sine of the angle between the pair's links."""
+        return math.sin(at.state.angles[pair.link] - at.state.angles[partner])
+
+    straight = len(system.mechanism.links[pair.link].corners) == 2
+    if pair.partner is not None and straight and not system.mechanism.jointed:
+        # Two straight wires that become parallel lie flat on each other: they touch at the far end
+        # too. The far end of a segment at a knee or joint belongs to another pair.
+        yield Event(Kind.TOUCH, pair, partial(inclination, pair.partner), 0)
     yield Event(Kind.LOCKED, contact, lambda at: rigid.compliance_in_slip(at.state, index) - least)
     yield Event(Kind.RELEASE, (contact,), lambda at: sums_of(at.totals, index).normal)
     if contact.slip == 0:
