@@ -163,7 +163,7 @@ FOLDED = {
 @pytest.mark.parametrize("accuracy", [1e-7, 1e-11])
 @pytest.mark.parametrize("case", FOLDED)
 def test_wires_that_the_bar_folds_flat_on_each_other_jam(case: str, accuracy: float) -> None:
-    """Parallel, the wires touch at their roots too, where no force turns them, and the hub turns on."""
+    """Parallel wires touch at a root too, where no force can turn the wire, while the hub turns on."""
     tool, row = FOLDED[case]
     row = row | {"neighbour_friction": 0.13, "neighbour_restitution": 0.85}
     scene = simulate_row(tool, Settings(accuracy=ACCURACY), **row)

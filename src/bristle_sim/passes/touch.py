@@ -49,9 +49,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     ending[hit.outcome == JAM] = LOCKED
 
     at_end = touch_at_end(passes, passes.hub_angle)
-    held = lying(passes, passes.hub_angle, at_end)
+    on_bar = lying(passes, passes.hub_angle, at_end)
     parting = np.maximum(hit.velocity_normal, 0.0)
-    pressed = np.abs(normal) * held.pressure
+    pressed = np.abs(normal) * on_bar.pressure
     speed = np.maximum(-approach, LEAST)
     # An error of the angle shifts the touch, and so changes the rate.
     amplified = (1.0 + restitution) * np.abs(pressed) / (speed * passes.rate_scale)
@@ -65,10 +65,10 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
     # All rebounds that follow last 2 v/(a (1 - e)) together, here twice that time.
     lost = pressed * (1.0 - parting / speed)
     lasting = np.divide(4.0 * parting, lost, out=np.ones_like(lost), where=lost > 0.0)
-    stays = comes_to_rest(passes, at_end, held.pressure, lasting)
+    stays = comes_to_rest(passes, at_end, on_bar.pressure, lasting)
     stays &= (ending == FLIES) & (pressed > 0.0)
     ending[stays] = LIES
-    passes.rate[stays] = held.rate[stays]
+    passes.rate[stays] = on_bar.rate[stays]
     return ending
 
 

@@ -150,10 +150,16 @@ class Chain:
         hinge = 0.0
         damper = 0.0
         if links > 1:
-            wire = bristle.length, bristle.wire_diameter, bristle.modulus
-            held = tool.belt.stiffness, bristle.bending_damping_ratio, links
             hinge = hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, links)
-            damper = hinge_damping(bristle.mass, *wire, *held)
+            damper = hinge_damping(
+                bristle.mass,
+                bristle.length,
+                bristle.wire_diameter,
+                bristle.modulus,
+                tool.belt.stiffness,
+                bristle.bending_damping_ratio,
+                links,
+            )
         self.stiffness = np.tile([tool.belt.stiffness] + [hinge] * (links - 1), count)
         self.damping = np.tile([tool.belt_damping] + [damper] * (links - 1), count)
 

@@ -7,8 +7,8 @@ before that later instant. With ``direction`` 0, both changes of sign trigger th
 
 At the beginning of a motion, a value that is no larger than its rounding error has no sign. An
 event of a kind in :data:`BEGINS_POSITIVE` then begins with a positive sign. Any other event begins
-with the first sign that its value has at the end of an interval. Touches are not events of this
-kind: :mod:`bristle_sim.scene.touches` searches for gaps that close.
+with the first sign that its value has at the end of an interval. Only a pair in contact has an event
+for a touch, at a second point; :mod:`bristle_sim.scene.touches` finds the touches of open pairs.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pairs import BarPair, ClosestApproach
+from bristle_sim.scene.pairs import BarPair, ClosestApproach, WirePair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 
@@ -58,8 +58,7 @@ class Kind(StrEnum):
     BREAKS_AWAY = auto()  # rigid contact that sticks: its tangential force exceeds friction
     KINK = auto()  # contact: it passes a joint, a knee or the tip of the wire
     LOCKED = auto()  # rigid contact: no force keeps it closed
-    # index of a pair: the tip leaves the dent of an earlier compliant contact
-    DENT_LEFT = auto()
+    DENT_LEFT = auto()  # index of a pair: the tip leaves the dent of an earlier compliant contact
     COMPRESSION_ENDS = auto()  # contact with a spring: the approach falls to zero
     UNLOADED = auto()  # contact with a spring: its force falls to zero
     # contact with a spring that unloads: the penetration exceeds its earlier maximum
@@ -196,8 +195,11 @@ def contact_events(
             continue
         assert rigid is not None
         yield from _rigid_events(system, contact, rigid, index)
+        piece = rigid.closed[index].piece or 0
         if isinstance(contact.pair, BarPair):
-            yield from _bar_events(system, contact, contact.pair, rigid.closed[index].piece or 0)
+            yield from _bar_events(system, contact, contact.pair, piece)
+        elif isinstance(contact.pair, WirePair):
+            yield from _wire_events(system, contact.pair, piece)
 
 
 def _rigid_events(
@@ -212,15 +214,6 @@ def _rigid_events(
     single = system.mechanism.single_link
     least = LEAST_OF_SINGLE_LINK if single else LEAST_COMPLIANCE_IN_SLIP
 
-    def inclination(partner: int, at: IntervalResult) -> float:
-        """Return the sine of the angle between the pair's links."""
-        return math.sin(at.state.angles[pair.link] - at.state.angles[partner])
-
-    straight = len(system.mechanism.links[pair.link].corners) == 2
-    if pair.partner is not None and straight and not system.mechanism.jointed:
-        # Two straight wires that become parallel lie flat on each other: they touch at the far end
-        # too. The far end of a segment at a knee or joint belongs to another pair.
-        yield Event(Kind.TOUCH, pair, partial(inclination, pair.partner), 0)
     yield Event(Kind.LOCKED, contact, lambda at: rigid.compliance_in_slip(at.state, index) - least)
     yield Event(Kind.RELEASE, (contact,), lambda at: sums_of(at.totals, index).normal)
     if contact.slip == 0:
@@ -265,6 +258,23 @@ def _bar_events(
         yield Event(Kind.HAND_OVER, (contact, lower), partial(passed, 0))
     if upper is not None:
         yield Event(Kind.HAND_OVER, (contact, upper), partial(after, upper), 1)
+
+
+def _wire_events(system: System, pair: WirePair, piece: int) -> Iterator[Event]:
+    """Yield the event at which two wires in contact lie flat on each other, and touch at a root too.
+
+    A second touch at a knee or joint needs no event: the pair of a neighbouring segment detects it.
+    ``piece`` is the index of the segment's end in contact.
+    """
+    mechanism = system.mechanism
+    starts = ((0, pair.link, pair.own_piece), (2, pair.partner, pair.partner_piece))
+
+    def gap(end: int, at: IntervalResult) -> float:
+        return pair.closest(mechanism.poses(at.state), at.state.rates, end).gap
+
+    for end, link, part in starts:
+        if end != piece and part == link % mechanism.wire_links == 0:
+            yield Event(Kind.TOUCH, pair, partial(gap, end))
 
 
 def _spring_events(system: System, spring: SpringContact, index: int) -> Iterator[Event]:
