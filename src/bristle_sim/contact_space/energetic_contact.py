@@ -29,7 +29,7 @@ class EnergeticContact:
 
     Args:
         space: the pymunk space, in its own units. A space can have one EnergeticContact, with any
-            number of pairs.
+            number of pairs of collision types.
         collision_type_a, collision_type_b: collision types of the shapes of the first pair.
         friction: Coulomb's coefficient of friction, >= 0.
         restitution: energetic coefficient of restitution, in [0, 1].
@@ -55,7 +55,7 @@ class EnergeticContact:
     (``sequence.COLLAPSE``), or 40 impacts in a group (``sequence.MOST``), all contacts of the group
     are resolved simultaneously.
 
-    A copied or unpickled space has its own EnergeticContact, which :meth:`of` returns; its
+    A copied or unpickled space has its own EnergeticContact, which :meth:`of` returns. The copy's
     ``report`` is None.
     Threads may step different spaces at the same time; Chipmunk does not permit two threads in one
     space.

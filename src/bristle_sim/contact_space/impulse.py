@@ -1,11 +1,12 @@
 """The inverse mass matrix at a contact of pymunk bodies with any joints, and the motion that an
 impulse at the contact causes.
 
-With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (its rows give
-the normal and tangential velocity of the first body's point relative to the other body's point), an
-impulse p at the contact causes joint impulses lambda and the velocity changes dV = M^-1 (C^T p +
-J^T lambda) with J dV = 0. In coordinates scaled by the square root of the mass this is a
-projection: the part (n, t) of M^-1/2 C^T that is orthogonal to the columns of M^-1/2 J^T gives
+The bodies have the velocities V and the mass matrix M, and the joints require J V = b. The two rows
+of the contact's Jacobian C give the normal and the tangential velocity of the first body's point
+relative to the other body's point. An impulse p at the contact causes joint impulses lambda and the
+velocity changes dV = M^-1 (C^T p + J^T lambda), with J dV = 0. Let n and t be the parts of the two
+columns of M^-1/2 C^T that are orthogonal to the columns of M^-1/2 J^T. The inverse mass matrix K
+and the velocity changes are
 
     K = (n, t)^T (n, t)    and    dV = M^-1/2 (n, t) p.
 
@@ -43,12 +44,12 @@ from bristle_sim.contact_space.projection import (
     set_in_motion,
 )
 
-# Ratio of the motion that an impulse causes with joints to the motion that it causes without them,
-# below which the former is rounding error: the point cannot move.
+# Smallest ratio of the motion that an impulse causes with joints to the motion that it causes
+# without joints. Below this ratio the motion is rounding error, and the contact point cannot move.
 SINGULAR = 64.0 * sys.float_info.epsilon
-# Velocity at which a joint leaves its limit, divided by the largest such velocity that the bodies'
-# kinetic energy permits, below which the velocity is rounding error. The same bound holds for the
-# impulse with which a limit pulls, divided by the impulse at the contact.
+# Rounding error of the velocity at which a joint leaves its limit, divided by the largest such
+# velocity that the bodies' kinetic energy permits. The rounding error of the impulse with which a
+# limit pulls is the same fraction of the impulse at the contact.
 OPENS = 1e-9
 
 

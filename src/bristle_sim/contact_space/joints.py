@@ -30,8 +30,8 @@ import pymunk
 from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
-"""A pair (normal, tangential) of a contact, or (x, y) in a report. All other places, directions and
-velocities are complex numbers x + iy."""
+"""Two components of a vector: (normal, tangential) at a contact, or (x, y) in a report. All other
+places, directions and velocities are complex numbers x + iy."""
 
 Entry = tuple[pymunk.Body, float, float, float]
 """A body, and the factors of its v_x, v_y and angular velocity in one row of the Jacobian J."""

@@ -82,8 +82,8 @@ def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constrai
     The size of a change is the kinetic energy of the bodies with the changes as velocities.
 
     Raises:
-        RuntimeError: if there is no set of limits in which each limit pushes and no other limit is
-            passed.
+        RuntimeError: if the search finds no set of limits such that each limit in the set pushes
+            and the bodies pass no other limit.
     """
     rows = [row for joint in joints for row in joint_rows(joint)]
     if not rows:

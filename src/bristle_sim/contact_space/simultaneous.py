@@ -8,10 +8,10 @@ impulses after which no contact approaches (Moreau's plastic impact). The condit
 
     u_n >= 0,  p_n >= 0,  u_n p_n = 0,  |p_t| <= mu p_n,  and in slip p_t = -mu p_n sign(u_t).
 
-Without friction these impulses minimise the kinetic energy. With friction too they are found by the
-projected gradient method with Nesterov's momentum, which is restarted where it leads uphill
-(O'Donoghue and Candes 2015). The step is D^-1 with the diagonal matrix D_ii = sum_kj |B_ki B_kj|,
-for which D - W is positive semidefinite.
+Without friction these impulses minimise the kinetic energy. The impulses, with or without friction,
+are found by the projected gradient method with Nesterov's momentum. The momentum is set to zero
+where it leads uphill (O'Donoghue and Candes 2015). The gradient is multiplied by D^-1, with the
+diagonal matrix D_ii = sum_kj |B_ki B_kj|, for which D - W is positive semidefinite.
 
 Restitution adds the impulses e p_n and e p_t (Poisson). If contacts approach afterwards, a second
 plastic impact follows. The conditions give p.u <= 0, that is p.v <= -p.W p. The impulses (1 + e) p
@@ -107,7 +107,7 @@ def _plastic(
 
     Args:
         gain: function that returns the changes of the contact velocities that impulses cause.
-        step: step of the gradient method for each impulse component, shape (m, 2).
+        step: factor of the gradient for each impulse component, the diagonal of D^-1, shape (m, 2).
         friction: coefficient of friction of each contact.
         velocity: contact velocities before the impact, shape (m, 2).
     """

@@ -8,8 +8,8 @@ position x at the end of the step, the position and the velocity at the time s b
     x_s = x - s (V_end - g)    and    V_s = V_end - (s/h + 1/2) g.
 
 After an impact at that instant has changed V_s, the same equations lead back to the end of the
-step. If only gravity acts and e* = 1, the kinetic plus potential energy at the end of a step is
-then conserved exactly. Any other error is of second order in h.
+step. If only gravity acts and the coefficient of restitution is 1, the kinetic plus potential
+energy at the end of a step is then conserved exactly. Any other error is of second order in h.
 """
 
 from __future__ import annotations

@@ -2,15 +2,15 @@
 that lies on the bar.
 
 All lengths are divided by the bristle's length. The hub's radius is rho, and the bar's centre is at
-the distance S from the hub's axis. The root is nearest to the bar's centre at the hub angle
-psi = psi_b; the hub angle from there is chi = psi - psi_b. Vectors are complex numbers, whose real
-axis points from the hub's axis to the bar's centre. The vector from the root to the bar's centre is
-w = S - rho exp(i chi) = D exp(i delta).
+the distance S from the hub's axis. The wire's root on the hub's rim is nearest to the bar's centre
+at the hub angle psi = psi_b, and chi is the difference psi - psi_b. Vectors are complex numbers,
+whose real axis points from the hub's axis to the bar's centre. The vector from the root to the
+bar's centre is w = S - rho exp(i chi) = D exp(i delta).
 
 Let R be the sum of the radii of bar and wire. If a wire lies on the bar, its centre line or its end
 is at the distance R from the bar's centre. The angle at the root between the wire and the vector w
-is eta. The angle of the wire from the direction of the bar's centre is delta - s eta, with s = 1
-for a wire that the bar holds back, and s = -1 otherwise. The angle eta follows from
+is eta. The angle between the wire and the real axis is delta - s eta, with s = 1 for a wire that
+the bar holds back, and s = -1 otherwise. The angle eta follows from
 
     sin eta = R/D if the bar touches the wire's flank,
     cos eta = (D^2 + 1 - R^2)/(2 D) if the bar touches the wire's end.
@@ -94,8 +94,8 @@ class Closest(NamedTuple):
 def closest(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Closest:
     """Return the shortest distance between each wire and the bar, and the geometry at that place.
 
-    ``hub_angle`` is psi (rad), ``angle`` the wire's relative angle alpha (rad) and ``rate`` the
-    derivative d(alpha)/d(psi), all of shape (..., passes).
+    ``hub_angle`` is psi (rad), ``angle`` the wire's angle alpha from the radial direction (rad) and
+    ``rate`` the derivative d(alpha)/d(psi), all of shape (..., passes).
     """
     chi = hub_angle - passes.bar_angle
     root = passes.radius * direction(chi)
@@ -138,8 +138,8 @@ class Lying(NamedTuple):
     """Motion of a wire that lies on the bar, and the moment of the contact force.
 
     Attributes:
-        angle, rate, acceleration: relative angle alpha (rad), and its first and second derivatives
-            with respect to the hub angle.
+        angle, rate, acceleration: wire's angle alpha from the radial direction (rad), and its first
+            and second derivatives with respect to the hub angle.
         pressure: moment of the contact force about the root, divided by the wire's moment of
             inertia; positive if the wire presses on the bar. It equals the angular acceleration
             towards the bar that the wire would have without the bar, minus its actual angular

@@ -37,8 +37,9 @@ With fewer passes the overhead of a call exceeds its arithmetic. With more passe
 more memory, and little time is saved."""
 
 LEAST_FLYING = BLOCK // 4
-"""The next block begins when fewer passes than this are under way. Passes that have ended are
-evaluated when there are at least as many of them."""
+"""Number of passes under way below which the next block of passes begins.
+
+It is also the number of ended passes that are evaluated together."""
 
 ENDED = WORKPART  # smallest code of a pass that has ended
 
@@ -70,8 +71,9 @@ def ensemble(
     progress: Callable[[float], None] | None = None,
     **values: Any,
 ) -> Ensemble:
-    """Compute passes of straight rigid bristles up to and including the strike, for arrays of
-    parameter values.
+    """Compute passes of straight rigid bristles for arrays of parameter values.
+
+    A pass is computed up to and including the impact on the workpart.
 
     The law of impact is the energetic one. Between contacts the wire's angle alpha from the radial
     direction obeys

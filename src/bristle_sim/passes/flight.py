@@ -104,19 +104,19 @@ def advance(
     code: Chosen,
     accuracy: float,
 ) -> None:
-    """Advance each pass by a rotation of the hub, or to its first touch or fold within the rotation.
+    """Advance each pass by a rotation of the hub, or to its first touch within the rotation.
 
-    A wire has folded if it is more than 90 degrees ahead of the radial direction, or has ever been
-    more than 90 degrees behind it.
+    A wire has folded if its angle from the radial direction has exceeded 90 degrees.
 
     Args:
         passes: passes to advance.
-        motion: function that returns the wires' relative angles and their derivatives after a
-            rotation of the hub.
+        motion: function that returns the wires' angles from the radial direction, and the
+            derivatives of these angles, after a rotation of the hub.
         samples: motion at the ends of the segments.
         near: indices of the wires that may touch the bar.
-        place: rotation of the hub if there is neither touch nor fold, rad.
-        code: code of each pass's state after the rotation ``place``; a touch or a fold replaces it.
+        place: rotation of the hub if there is no touch, rad.
+        code: code of each pass's state after the rotation ``place``. The function replaces the code
+            of a pass in which the wire touches an obstacle or folds.
         accuracy: requested accuracy. If a wire passes an obstacle at a distance smaller than this
             fraction of the bristle's length, the number of touches is uncertain.
     """
@@ -205,8 +205,8 @@ def first_closing(
     Args:
         obstacle: code of the obstacle.
         passes: passes of the wires, at the start of the step.
-        motion: function that returns the wires' relative angles and their derivatives after a
-            rotation of the hub.
+        motion: function that returns the wires' angles from the radial direction, and the
+            derivatives of these angles, after a rotation of the hub.
         samples: motion at the ends of the segments.
         chosen: indices of the wires that may touch the obstacle.
         accuracy: requested accuracy.
@@ -307,8 +307,8 @@ def _lowest(values_at: Function, number: Chosen, segment: Array) -> Array:
 
 
 def _note_lowest(passes: Passes, motion: Function, samples: Samples, place: Array) -> None:
-    """Update the smallest relative angle of each pass by a minimum within the hub's rotation
-    ``place`` (rad).
+    """Update ``passes.lowest``, the smallest angle so far, by a minimum of the angle within the
+    hub's rotation ``place`` (rad).
 
     Only the first minimum that may be smaller than all earlier angles is located. A minimum is
     assumed to be larger than a + 2 a' h, where h is the length of its segment, and a and a' are the

@@ -140,10 +140,10 @@ def key_values(tool: Tool) -> dict[str, float]:
 
 
 def passes_of(request: Request, numbers: Chosen) -> tuple[Passes, NDArray[np.object_]]:
-    """Return those passes that can be computed, and a reason for each pass considered.
+    """Return the passes with the indices ``numbers`` that are not refused, and the reasons of the
+    refusals.
 
-    The passes with the indices ``numbers`` are considered. The reason says why a pass is refused,
-    and is empty for a pass that can be computed.
+    There is a reason for each index. The reason is empty for a pass that is not refused.
     """
     values = request.at(numbers)
     law = request.tool.contact.law
@@ -164,8 +164,8 @@ def _refusals(
     """Yield, for each requirement, the mask of the passes that violate it, a key and a message.
 
     The message says which requirement the value of the key must meet. A value is refused if it is
-    outside the range of its key, if passes in arrays cannot have it, or if dimensions contradict
-    each other. A pass is also refused if the bristle overlaps an obstacle at the start (key:
+    outside the range of its key, if this method cannot compute a pass with it, or if it contradicts
+    another dimension. A pass is also refused if the bristle overlaps an obstacle at the start (key:
     ``penetration`` or ``bar_horizontal``), or if the motion needs too many steps (key:
     ``belt_stiffness``).
     """

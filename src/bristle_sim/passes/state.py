@@ -26,7 +26,7 @@ pass has ended: the tip touches the workpart, the wire has folded by more than 9
 has rotated to the end of the pass, friction locks the wire on the bar, or the touches of the bar are
 endless. ``BAR`` and ``WORKPART`` are also the codes of these obstacles."""
 
-QUARTER_TURN = 0.5 * np.pi  # relative angle beyond which a wire has folded, rad
+QUARTER_TURN = 0.5 * np.pi  # angle from the radial direction beyond which a wire has folded, rad
 LEAST = 1e-300  # lower bound of a dimensionless speed or impulse, against a division by zero
 
 
@@ -57,19 +57,19 @@ class Passes:
         depth: distance of the workpart's surface from the hub's axis, divided by L; infinite
             without a workpart.
         start, end: hub angles at which the pass starts and ends, rad.
-        hub_angle, angle, rate: present hub angle psi, relative angle alpha and angular velocity
-            d(alpha)/d(psi).
+        hub_angle, angle, rate: present hub angle psi (rad), angle alpha of the wire from the radial
+            direction (rad), and its derivative d(alpha)/d(psi).
         touches: number of touches of the bar so far.
         side: 1 for a wire behind the bar, which holds the wire back; -1 for a wire ahead of the
             bar.
-        release, release_angle: hub angle and relative angle at the last contact with the bar, rad;
-            NaN before the first contact.
-        hop: rotation of the hub from the last rebound to the next touch of the bar, rad, if the
-            gap's second derivative is constant. It is infinite if the wire would not touch the bar
-            again.
-        lowest: smallest relative angle so far, rad.
-        error: estimated error of the relative angle (rad), and also of the relative angular
-            velocity divided by ``rate_scale``.
+        release, release_angle: hub angle psi and wire angle alpha at the last contact with the bar,
+            rad; NaN before the first contact.
+        hop: estimated rotation of the hub from the last rebound to the next touch of the bar, rad.
+            The estimate neglects the change of the gap's second derivative. It is infinite if the
+            wire would not touch the bar again.
+        lowest: smallest angle alpha so far, rad.
+        error: estimated error of the angle alpha (rad), and also of its derivative ``rate`` divided
+            by ``rate_scale``.
     """
 
     number: Array

@@ -75,9 +75,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
 def comes_to_rest(passes: Passes, at_end: Chosen, pressure: Array, lasting: Array) -> Chosen:
     """Return whether each wire's rebounds die out while the wire is still pressed onto the bar.
 
-    Such a wire is then treated as if it had never rebounded. Two conditions must hold when the hub
-    has rotated by ``lasting``: the wire would touch the bar with the same part, flank or end, and
-    the pressure has changed by less than a factor of two.
+    Such a wire is then treated as if it had never rebounded. The rotation ``lasting`` must be less
+    than 1 rad. After this rotation a wire that lies on the bar must touch it with the same part,
+    flank or end, and the pressure must have changed by less than a factor of two.
 
     Args:
         passes: passes of the wires.

@@ -1,6 +1,6 @@
 """The scene: a mechanism as bodies, joints and springs of the engine pymunk, in engine units.
 
-It contains only the effects that are requested. The engine's corrections of position errors are
+The scene contains only the effects that are requested. The engine's corrections of position errors are
 switched off, because they would feed position errors into the velocities. Joints are not pulled
 together (``error_bias`` 1). An interval of motion starts from bodies placed exactly on their
 joints. The bodies drift off the joints within the interval. This drift is a smooth function of the
@@ -36,9 +36,9 @@ length, so that the engine detects each touch. The overlap is within ``collision
 engine corrects no position."""
 
 LONGEST_WARM_RATIO = 1e3
-"""Largest ratio of a step to the previous step at which the engine starts from the joint impulses
-of the previous step, which it multiplies by this ratio. At a larger ratio their rounding error
-would be noticeable."""
+"""Largest ratio of a step's length to the length of the previous step at which the engine starts
+from the joint impulses of the previous step. The engine multiplies these impulses by the ratio. At
+a larger ratio the rounding error of the impulses would be noticeable."""
 
 # number of links up to which a step counts once in ``work``; measured, the solver of the joints
 # takes 17, 21, 31 and 60 us for 8, 16, 32 and 64 links

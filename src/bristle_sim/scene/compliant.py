@@ -27,8 +27,8 @@ from bristle_sim.theory.impact import LEAST_COMPLIANCE
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
-"""Lower bound of T sqrt(e*), in scene time units, with the duration T of a simulated contact.
-Measured: the contact differs from the rigid-body limit by 0.4 T, and rounding error of the
+"""Lower bound of T sqrt(e*), in scene time units, with the duration T of a simulated contact and
+the energetic coefficient of restitution e*. Measured: the contact differs from the rigid-body limit by 0.4 T, and rounding error of the
 penetration adds 4e-14/(T e*); the sum is least near this bound. Damping with a time constant
 1/r < 1 reduces a velocity by the fraction r T during the contact, so the bound is then divided by
 sqrt(r)."""

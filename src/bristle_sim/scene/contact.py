@@ -271,9 +271,10 @@ class RigidContacts:
     def prescribes_slip(self, contact: ClosedPair) -> bool:
         """Return whether the geometry alone determines the slip velocity of a contact.
 
-        It does so if as many conditions as the wire has links from its root to the contact hold
-        there: a closed gap is one condition, stick is another. Such a contact cannot stick while
-        the hub moves it along its obstacle, however small the tangential force is.
+        It does so if the links from the wire's root to the contact are subject to at least as many
+        conditions as there are such links. A closed gap is one condition, and stick of another
+        contact is a further one. A contact with this property cannot stick while the hub moves it
+        along its obstacle, however small the tangential force is.
         """
         if contact.pair.partner is not None:
             return False
@@ -314,7 +315,7 @@ class RigidContacts:
             contact.slip = 0
 
     def slip_acceleration(self, contact: ClosedPair, state: State) -> float:
-        """Return the tangential acceleration (scene units) of a point staying on its obstacle."""
+        """Return the tangential acceleration (scene units) of a contact point on its obstacle."""
         later = state.moved(MOMENT, [0.0] * len(state.rates))
         before, after = (
             contact.pair.closest(self.scene.mechanism.poses(each), each.rates).velocity[1]

@@ -261,7 +261,7 @@ def _bar_events(
 
 
 def _wire_events(system: System, pair: WirePair, piece: int) -> Iterator[Event]:
-    """Yield the event at which two wires in contact lie flat on each other, and touch at a root too.
+    """Yield the events at which two wires in contact touch at a root too, lying flat on each other.
 
     A second touch at a knee or joint needs no event: the pair of a neighbouring segment detects it.
     ``piece`` is the index of the segment's end in contact.

@@ -206,7 +206,7 @@ class Extrapolation:
         self.noise = max(tolerance, CLOSE.noise[3])
 
     def propose(self, remaining: float) -> float:
-        """Return the length of the next interval, of which a whole number fills the remaining time.
+        """Return the next interval's length; a whole number of such intervals fills the time left.
 
         ``remaining`` is the time to the end of the motion.
         """

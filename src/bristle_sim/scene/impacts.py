@@ -32,10 +32,10 @@ cannot move in this way. For a lever it is the ratio to the contact point's dist
 For the motion in stick it is the ratio to the motion that a normal impulse causes."""
 
 CANCELS = 100.0
-"""Ratio above which the sum of two changes of the slip velocity, by the normal and by the
-tangential impulse, loses two digits by cancellation. It is the ratio of their magnitudes to the
-slip velocity itself. It is large where a heavy link leaves a sticking contact point hardly any
-compliance. The angular velocities are then computed from the motion in stick."""
+"""Largest ratio of two changes of the slip velocity, by the normal and by the tangential impulse,
+to the slip velocity itself at which the changes are added. At a larger ratio the sum would lose two
+digits by cancellation, and the angular velocities are computed from the motion in stick. The ratio
+is large where a heavy link leaves a sticking contact point hardly any compliance."""
 
 # Length of the step in which the engine resolves an impact, in scene time units. It is so short
 # that forces and motion in the step have less effect than rounding error.
@@ -98,7 +98,7 @@ def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> Contact
         basis, triangle = np.linalg.qr(columns[order, ::-1])
         stick[order] = basis[:, 1] * triangle[1, 1]
         if np.linalg.norm(stick) <= ROUNDING * np.linalg.norm(columns[:, 0]):
-            stick[:] = 0.0  # as of a straight chain, whose tip moves across it only
+            stick[:] = 0.0  # as for a straight chain, whose tip can move only across the chain
     first, second = (columns.T @ columns).tolist()
     return ContactPoint(
         touch,

@@ -35,8 +35,8 @@ Extrapolation from the steps h/4, h/5, h/6 and h/7 leaves an error of h^4/840 ti
 fourth derivative, which no error estimate includes."""
 
 BEFORE_ZERO = 0.95
-"""Fraction of the estimated time to a force's zero at which a shorter interval begins, in which the
-zero is located. The estimate is linear in a longer interval."""
+"""Beginning of the shorter interval in which a force's zero is located, as a fraction of the time
+to the zero. This time is estimated by linear interpolation of the force in the longer interval."""
 
 # Least time of an extreme, as a fraction of the interval. The function hardly changes before it, so
 # an earlier extreme is ignored.
@@ -128,7 +128,7 @@ def first_change(
 
 
 def _change(event: Event, interval: Interval) -> tuple[float, float] | None:
-    """Return an event's values at an interval's ends; None if the event does not trigger there."""
+    """Return an event's values at an interval's ends; None if no event happens in the interval."""
     sign = event.sign
     right = event.at(interval.end)
     noise = event.noise
@@ -184,7 +184,7 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
 
     If the value changes sign twice, the shortened interval contains the first change only. The
     extreme is estimated by a parabola through the least (or greatest) of five values and its two
-    neighbours. Without an extreme beyond or close to zero, the interval is returned unchanged.
+    neighbours. If the extreme is neither beyond zero nor close to it, the interval is unchanged.
     """
     sense = -float(event.direction)
     length = interval.length

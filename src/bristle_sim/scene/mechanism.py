@@ -207,7 +207,7 @@ class Mechanism:
         return poses
 
     def speed_bound(self, state: State) -> float:
-        """Return an upper bound of the speed of every point, and of two points' relative speed.
+        """Return an upper bound of any point's speed and of the relative speed of any two points.
 
         The bound holds as long as no link rotates faster than in ``state``.
         """

@@ -238,8 +238,8 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
     """Advance the run to the end of an interval, and record samples of the motion in it.
 
     Links in sustained contact are moved back onto their obstacles. The first interval after a
-    contact may be the whole flight. In that interval a further sample is recorded if the polynomial
-    through the states at its ends and in its middle exceeds the permitted error of the run.
+    contact may be the whole flight. In that interval a further sample is recorded if the error of
+    the polynomial through the states at its ends and in its middle exceeds the run's accuracy.
     """
     solver = system.scene.joint_solver
     recording = system.recording

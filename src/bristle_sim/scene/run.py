@@ -93,7 +93,7 @@ def first_motion(system: System) -> Motion:
 def decide(system: System, motion: Motion, event: Happening) -> Motion:
     """Return the motion that follows an event.
 
-    After an extreme of the motion, which changes no contact, it is the same motion. After any other
+    An extreme of the motion changes no contact, so the same motion is returned. After any other
     event a new motion begins.
 
     Raises:

@@ -120,7 +120,7 @@ def change_spring(
 
 
 def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -> Outcome | None:
-    """Apply an event to a contact, and return its outcome; None if the contact continues."""
+    """Apply an event to a contact; return the contact's outcome, or None if it continues."""
     penetration = system.penetration(spring)
     if spring.at_rest and kind in (Kind.REST_ENDS, Kind.FOOT_STOPS):
         # The force of a tangential spring begins its next oscillation at the friction of compression.

@@ -1,4 +1,4 @@
-"""A run in progress: the scene, the plan, the present state and the record so far."""
+"""A run in progress: the scene, the end conditions, the present state and the record so far."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ class System:
 
     @property
     def slow(self) -> float:
-        """Speed (engine units) below which a contact point neither approaches nor rebounds."""
+        """Normal speed (engine units) below which a contact point counts as at rest."""
         return SLOW_FRACTION * self.mechanism.speed_bound(self.state)
 
     def law_of(self, pair: ContactPair) -> ContactLaw:
@@ -283,13 +283,13 @@ class System:
     def behind_joint(
         self, pair: ContactPair, active: Sequence[ContactPair], end: State
     ) -> int | None:
-        """Return the segment of a link that touches the bar only at a joint already in contact.
+        """Return the index of a link's segment that touches the bar only at a joint in contact.
 
-        The link shares this joint with a neighbour in contact. The segment begins or ends there,
-        and is returned as its index on two conditions. At present the joint must be the segment's
-        point closest to the bar. It must be the closest point at ``end`` too, or the present gap
-        must be closed. Otherwise the segment may touch the bar at another point, and the result is
-        None.
+        The link shares this joint with a neighbouring link, which is in contact already. The
+        segment begins or ends at the joint. The joint must be the segment's point closest to the
+        bar at present. In addition, the joint must be the closest point at ``end`` too, or the
+        present gap must be closed. Otherwise the segment may touch the bar at another point, and
+        the result is None.
 
         Args:
             pair: the link and the bar.

@@ -47,8 +47,9 @@ OPENING = (
     1.0 / 16.0
 )  # time in which the gap of a released pair must open, as a fraction of the sampling interval
 MOST_FASTER = 1.5
-"""Ratio of the opening velocity of a gap at the end of the time ``OPENING`` to that at its start,
-above which the search for a rebound that ends within this time begins."""
+"""Ratio of a gap's opening velocity at the end of the time ``OPENING`` to that at the beginning.
+Above this ratio the gap may have closed in between, and the end of such a rebound is searched for.
+"""
 
 EARLIER = 0.7
 """Ratio of a trial time to the next later trial time in the search for an open gap that closes. In

@@ -5,7 +5,7 @@ Two properties of the bodies determine an impact: the velocity v = (v_n, v_t) th
 has before the impact, and the point's inverse mass matrix K. An impulse dp = (dp_n, dp_t) changes
 the velocity by dv = K dp. The tangential impulse opposes slip, dp_t = -mu sign(v_t) dp_n. Within a
 phase of constant slip direction (or stick) the velocities are therefore linear in p_n, and the
-works are quadratic. The end of every phase therefore has a closed form:
+works are quadratic. The end of every phase is thus known in closed form:
 
 * slip continues until v_t = 0;
 * then the point sticks if mu >= |K_nt| / K_tt, and otherwise slips in the direction of sign(K_nt);
