@@ -1,4 +1,4 @@
-"""Writes files that appear under their names only when they are complete."""
+"""Writing of files that appear under their names only when they are complete."""
 
 import itertools
 import os

@@ -1,4 +1,4 @@
-"""Reads a measured force history from a text file with columns.
+"""Reading of a measured force history from a text file with columns.
 
 A line of headings may come first. Lines that begin with # and blank lines are ignored. Columns are
 separated by tab, semicolon, comma or blanks. A comma may be the decimal sign if it does not

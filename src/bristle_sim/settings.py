@@ -11,8 +11,8 @@ from bristle_sim.fields import ANY, count, quantity
 MAXIMUM_STEPS = 500_000
 """Default of the largest number of engine steps of a simulation.
 
-So many steps suffice for sixty whole passes of a rigid bristle, or for one pass of a wire of 8
-links. They take 2 to 6 s of CPU time for a rigid bristle, 12 to 20 s for a wire of links."""
+This number suffices for sixty whole passes of a rigid bristle, or for one pass of a wire of 8
+links. It takes 2 to 6 s of CPU time for a rigid bristle, and 12 to 20 s for a wire of links."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,8 @@ OBSTACLE = Choice("obstacle", options=("bar", "workpart", "wire"))
 """Declaration of an obstacle that a wire can touch."""
 
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
-"""Records at the end of a simulation that state the absence of an event, and the absent event."""
+"""Events at the end of a simulation which state that another event has not happened, each with the
+name of the other event."""
 
 
 class StopReason(StrEnum):

@@ -197,7 +197,7 @@ def _reached(value: float, least: float, most: float, margin: float) -> list[tup
         margin: distance at which a limit counts as reached.
 
     Returns:
-        Pairs of the sense, and whether it belongs to a limit. The list is [(1.0, True)] at the
+        Pairs of a sense, and True if a limit prevents the motion. The list is [(1.0, True)] at the
         upper limit, [(-1.0, True)] at the lower limit, and [] between them. For equal limits the
         coordinate is fixed, and the list is [(1.0, False)].
     """

@@ -57,8 +57,8 @@ def resolve_at_once(
     Args:
         points: all contact points of the bodies.
         connected: the bodies and the joints between them.
-        motion: velocity changes in the step. The impact takes place at the end of the step, but the
-            engine's velocities are those half a step later.
+        motion: velocity changes in the step. They are needed because the impact takes place at the
+            end of the step, while the engine's velocities apply half a step later.
         resting: approach speed up to which a point has no restitution.
 
     Returns:

@@ -108,15 +108,15 @@ class StepMotion:
         self._groups.clear()
 
     def steps(self, time: float) -> float:
-        """Return the time from an instant to the time of the engine's velocities, in steps.
+        """Return how many steps after a given instant the engine's velocities apply.
 
         The engine's velocities apply half a step after the end of the last step. ``time`` is the
-        time from the instant to the end of that step.
+        time from the given instant to the end of that step.
         """
         return time / self.duration + 0.5 if self.duration else 0.5
 
     def drift(self, bodies: Iterable[pymunk.Body], time: float) -> None:
-        """Move bodies for a time at the velocities by which the last engine step moved them.
+        """Move bodies for a time, at the velocities at which the last engine step moved them.
 
         The bodies' velocities after that step are different. A negative time moves the bodies back.
         """

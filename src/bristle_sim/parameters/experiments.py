@@ -12,7 +12,7 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 
 
 def speed_ratio_at_strike() -> Any:
-    """Declare the field for the angular velocity of the bristle over the hub's at the strike."""
+    """Declare the field for the bristle's angular velocity at the strike, divided by the hub's."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate divided by hub speed"
     return quantity(
         3.23,

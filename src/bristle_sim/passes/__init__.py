@@ -1,9 +1,10 @@
 """Many passes of straight rigid bristles at once, computed from the equations of motion in NumPy
 arrays.
 
-A pass is the trip of one bristle past bar and workpart. The passes form three groups: bristles in
-flight, bristles that touch the bar, and bristles that lie on the bar. The largest group is always
-advanced next. A pass changes its group at a touch and at a release.
+A pass is the motion of one bristle past bar and workpart, up to its impact on the workpart. The
+passes form three groups: bristles in flight, bristles that have just touched the bar, and bristles
+that lie on the bar. The largest group is always advanced next. At a touch or a release, a bristle
+changes its group.
 
 The modules in reading order:
 

@@ -179,8 +179,8 @@ def lying(passes: Passes, hub_angle: Array, at_end: Chosen) -> Lying:
 
 
 LEAST_SQUARE = 1e-60
-"""Lower bound of the square of a sine or a length; it prevents a division by zero where the wire
-points at the bar's centre."""
+"""Lower bound of squares whose roots are divisors, dimensionless. Such a square is zero where the
+wire points at the bar's centre."""
 
 Tilt = tuple[Array, Array, Array]
 """Angle eta (rad) at the root between wire and line to the bar's centre, and two coefficients.

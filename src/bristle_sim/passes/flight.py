@@ -32,17 +32,17 @@ from bristle_sim.passes.state import (
 )
 
 LOCAL_FRACTION = 1e-3
-"""Ratio of a step's local tolerance to the requested accuracy: the errors of a thousand steps may
-add up.
+"""Ratio of the error permitted in one step to the requested accuracy, because the errors of a
+thousand steps may add up.
 
-The length of a step depends only weakly on its tolerance."""
+The length of a step depends only weakly on the permitted error."""
 
 MOST_TOLERANCE = 1e-9
-"""Largest local tolerance, as repeated impacts on the bar magnify errors a thousandfold.
+"""Largest error permitted in one step: repeated impacts on the bar magnify errors a thousandfold.
 
-At the high order of the series a larger tolerance saves little time."""
+At the high order of the series a larger permitted error saves little time."""
 
-LEAST_TOLERANCE = 1e-14  # smallest local tolerance, the size of rounding error
+LEAST_TOLERANCE = 1e-14  # smallest error permitted in one step, the size of rounding error
 
 LEAST_BEND = 0.1
 """Lower bound of ``reach`` in the choice of a step near the bar, divided by the bristle's length.
@@ -60,12 +60,12 @@ HOPS = 2.0
 """Longest step after a rebound from the bar, divided by ``hop`` (an attribute of ``Passes``).
 
 When the hub has rotated by t since the rebound, the gap is v t - a t^2/2 + j t^3/6, and ``hop`` is
-2 v/a. If this gap closes, it has its maximum before 2/3 ``hop``. If it opens again, it has its
-minimum after 2 ``hop``. No segment of the step contains both."""
+2 v/a. If this gap closes, its maximum is before 2/3 ``hop``, and its minimum is after 2 ``hop``.
+The step therefore does not contain both."""
 
 FASTER = 2.0
-"""Assumed bound of the magnitude of a gap's derivative in a segment with a minimum of the gap, as a
-multiple of the larger magnitude at the segment's two ends."""
+"""Assumed largest magnitude of a gap's derivative within a segment that contains a minimum of the
+gap, divided by the larger of the magnitudes at the segment's two ends."""
 
 EDGE = 1e-9  # tolerance, rad, of the hub angles between which the wire can reach the bar
 MINIMUM_ERROR = 1e-8  # largest error of a minimum's place, relative to the length of its segment
@@ -73,9 +73,11 @@ BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index: the indices of i
 
 
 Samples = Array
-"""Motion of passes at the ends of the segments of a step, shape (3, segments + 1, passes): the
-rotation of the hub since the step began (rad), the angle of the wire relative to the hub (rad), and
-the derivative of this angle with respect to the hub angle."""
+"""Motion of passes at the ends of the segments into which a step is divided.
+
+The shape is (3, segments + 1, passes). The three rows are the rotation of the hub since the step
+began (rad), the angle of the wire from the radial direction (rad), and the derivative of this angle
+with respect to the hub angle."""
 
 
 def fly(passes: Passes, accuracy: float) -> Chosen:
@@ -112,7 +114,7 @@ def advance(
         passes: passes to advance.
         motion: function that returns the wires' angles from the radial direction, and the
             derivatives of these angles, after a rotation of the hub.
-        samples: motion at the ends of the segments.
+        samples: motion at the ends of the segments into which the rotation is divided.
         near: indices of the wires that may touch the bar.
         place: rotation of the hub if there is no touch, rad.
         code: code of each pass's state after the rotation ``place``. The function replaces the code
@@ -207,7 +209,7 @@ def first_closing(
         passes: passes of the wires, at the start of the step.
         motion: function that returns the wires' angles from the radial direction, and the
             derivatives of these angles, after a rotation of the hub.
-        samples: motion at the ends of the segments.
+        samples: motion at the ends of the segments into which the step is divided.
         chosen: indices of the wires that may touch the obstacle.
         accuracy: requested accuracy.
     """

@@ -84,15 +84,15 @@ class Course(NamedTuple):
     """Taylor series of the motion of bristles in flight, about the present hub angle.
 
     Attributes:
-        series: Taylor coefficients of the relative angle alpha, and of its derivative with respect
-            to the hub angle, shape (2, ORDER + 1, passes).
+        series: Taylor coefficients of the angle alpha from the radial direction, and of its
+            derivative with respect to the hub angle, shape (2, ORDER + 1, passes).
     """
 
     series: Array
 
     def at(self, turn: Array, chosen: Chosen) -> Array:
-        """Return the relative angles (rad) and their derivatives, shape (2, chosen passes), after
-        the hub has rotated by ``turn``, rad.
+        """Return the angles from the radial direction (rad) and their derivatives after a rotation
+        ``turn`` of the hub (rad), shape (2, chosen passes).
         """
         every = len(chosen) == self.series.shape[-1]
         series = self.series if every else self.series.take(chosen, axis=-1)
@@ -100,8 +100,8 @@ class Course(NamedTuple):
         return found
 
     def sampled(self, step: Array) -> Array:
-        """Return the relative angles (rad) and their derivatives at the ends of each step's
-        segments, shape (2, segments + 1, passes).
+        """Return the angles from the radial direction (rad) and their derivatives at the ends of
+        each step's segments, shape (2, segments + 1, passes).
 
         ``step`` is the hub's rotation in each step, rad.
         """
@@ -114,9 +114,9 @@ class Course(NamedTuple):
 
 
 def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
-    """Return the relative acceleration alpha'' of bristles without a contact.
+    """Return the angular acceleration alpha'' of bristles without a contact, relative to the hub.
 
-    All angles and their derivatives with respect to the hub angle have the shape (..., passes).
+    Derivatives are with respect to the hub angle. All arrays have the shape (..., passes).
     """
     torque = passes.damping * rate + passes.stiffness * angle + passes.centrifugal * np.sin(angle)
     if passes.gravity.any():
@@ -157,8 +157,8 @@ def course_of(passes: Passes) -> Course:
 def step_length(passes: Passes, course: Course, tolerance: float) -> Array:
     """Return the longest step of each pass (rad) in which the Taylor series is accurate enough.
 
-    The last two terms of the series of the relative rate must not exceed ``tolerance`` times
-    ``passes.rate_scale``.
+    The last two terms of the series of the angular velocity alpha' must not exceed ``tolerance``
+    times ``passes.rate_scale``.
     """
     last = slice(ORDER - 2, ORDER)
     size = np.abs(course.series[1, last]) / (tolerance * passes.rate_scale)

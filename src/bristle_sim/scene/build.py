@@ -1,7 +1,7 @@
 """The scene: a mechanism as bodies, joints and springs of the engine pymunk, in engine units.
 
-The scene contains only the effects that are requested. The engine's corrections of position errors are
-switched off, because they would feed position errors into the velocities. Joints are not pulled
+The scene contains only the effects that are requested. The engine's corrections of position errors
+are switched off, because they would feed position errors into the velocities. Joints are not pulled
 together (``error_bias`` 1). An interval of motion starts from bodies placed exactly on their
 joints. The bodies drift off the joints within the interval. This drift is a smooth function of the
 step, so extrapolation to zero step length removes it. Touching shapes are not pushed apart
@@ -77,7 +77,7 @@ class Placer:
     """
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
-        """Prepare to place ``bodies``, in the order in which their values will be given."""
+        """Prepare to set and read ``bodies``, whose order is that of all later values."""
         self._bodies = [body._body for body in bodies]
         # The array has room for one more body; otherwise the engine would move it to other memory.
         self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
@@ -88,7 +88,7 @@ class Placer:
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
 
     def __call__(self, values: Sequence[float] | None) -> None:
-        """Set the bodies' positions and velocities to ``values``, or to the last values if None."""
+        """Set the bodies' positions and velocities; None sets the stored ``values`` again."""
         if values is not None:
             self.values[: len(values)] = array("d", values)
         self._numbers.num = 0
@@ -298,8 +298,8 @@ class Scene:
 
         The joints are replaced by new ones, which have no stored impulses from which a step would
         start. The bodies are placed, which makes their rotations finite. Their positions become
-        finite when they are placed the next time: the engine adds zero times the old rotation to a
-        position, and this product is NaN unless the rotation is finite.
+        finite only when they are placed a second time. The first time, the engine adds zero times
+        the old rotation to a position, and this product is NaN if the rotation is not finite.
         """
         space = self.space
         springs = [each for each in space.constraints if each not in self.joints]

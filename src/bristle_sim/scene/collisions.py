@@ -31,8 +31,8 @@ MOST_IMPACTS_AT_ONCE = 64
 After more impacts the links count as jammed."""
 
 MOST_CHANGED_APPROACH = 0.5
-"""Relative change of an impact's velocity jumps, caused by the run's error, up to which the error
-is assumed to grow linearly in the impact."""
+"""Largest relative change of an impact's velocity jumps, caused by the run's error, at which the
+growth of the error in the impact is assumed to be linear."""
 
 
 def end_contacts(
@@ -50,7 +50,7 @@ def end_contacts(
         contacts: the active contacts.
         ending: the contacts that end.
         outcome: outcome that their records state.
-        released: whether each contact that ends is also recorded as an event, the release. The
+        released: whether the end of each contact is also recorded as an event, the release. The
             sense of slip of the other rigid contacts is then found anew.
     """
     system.scene.keep_closed(())
@@ -278,8 +278,8 @@ def propagate_error(
     def neighbour(off: float, late: float) -> ClosestApproach:
         """Return the closest approach of a neighbouring motion at a time after the touch.
 
-        ``off`` is the angular velocity of each link in this motion minus the simulated one,
-        ``late`` the time after the touch.
+        ``off`` is the angular velocity of each link in the neighbouring motion minus that in the
+        simulated motion, ``late`` the time after the touch.
         """
         moving = [rate + off for rate in before.rates]
         angles = [a + error + late * u for a, u in zip(before.angles, moving, strict=True)]

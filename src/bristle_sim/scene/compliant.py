@@ -28,14 +28,14 @@ from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
 """Lower bound of T sqrt(e*), in scene time units, with the duration T of a simulated contact and
-the energetic coefficient of restitution e*. Measured: the contact differs from the rigid-body limit by 0.4 T, and rounding error of the
-penetration adds 4e-14/(T e*); the sum is least near this bound. Damping with a time constant
-1/r < 1 reduces a velocity by the fraction r T during the contact, so the bound is then divided by
-sqrt(r)."""
+the energetic coefficient of restitution e*. Measured: the contact differs from the rigid-body limit
+by 0.4 T, and rounding error of the penetration adds 4e-14/(T e*); the sum is least near this bound.
+Damping with a time constant 1/r < 1 reduces a velocity by the fraction r T during the contact, so
+the bound is then divided by sqrt(r)."""
 
 FORCE_ROUNDING = 1e-15
-"""Velocity error of one interval that rounding error of the contact force causes, multiplied by
-T e* with the contact's duration T; scene units."""
+"""Error of a velocity in one interval, caused by rounding error of the contact force and multiplied
+by T e*, with the contact's duration T and its coefficient of restitution e*; scene units."""
 
 CONTACT_FRACTION = 0.03
 """Error permitted in one interval of a contact, as a fraction of the run's accuracy: the errors of

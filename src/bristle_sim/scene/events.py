@@ -35,8 +35,8 @@ LEAST_COMPLIANCE_IN_SLIP = 1e-3
 LEAST_OF_SINGLE_LINK = 1e-6
 PLACE_ROUNDING = 4e-16  # rounding error of a tip's position, in engine units
 LOCATED_VELOCITY = 0.1
-"""Tolerance of a contact spring's located events, as a fraction of the permitted velocity error of
-an interval."""
+"""Largest value (a velocity) of a contact spring's event at its located instant, as a fraction of
+the velocity error permitted in an interval."""
 
 OVERDUE_DURATIONS = 10.0
 """Longest duration of a contact in the rigid-body limit, as a multiple of its expected duration. A
@@ -117,8 +117,8 @@ class Event:
         direction: -1 if the value falls through zero at the event, +1 if it rises, 0 for both.
         tolerance: magnitude of the value below which the event counts as located; None for the
             run's own tolerance.
-        noise: magnitude up to which the value counts as having no sign. If a tolerance is given, it
-            is the value's rounding error, otherwise the possible error of the run.
+        noise: magnitude of the value up to which its sign is unknown. If a tolerance is given, the
+            magnitude is the value's rounding error, otherwise the possible error of the run.
         sign: the last sign of the value; None while it is unknown.
         known: the last result for which the value was computed, and the value.
     """
@@ -300,7 +300,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
         return spring.surface - touch(at.state).gap
 
     def rest_margin(which: int, at: IntervalResult) -> float:
-        """Return the margin ``which`` of ``SpringContact.rest_margins``, as a velocity."""
+        """Return entry ``which`` (0 or 1) of ``SpringContact.rest_margins``, as a velocity."""
         margins = spring.rest_margins(depth(at), sums_of(at.totals, index).tangential)
         return margins[which] / (spring.law.stiffness * duration)
 

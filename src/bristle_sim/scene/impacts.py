@@ -27,15 +27,15 @@ from bristle_sim.theory.impact_phases import Impact, resolve_phases
 from bristle_sim.trajectory import ContactRecord
 
 ROUNDING = 64.0 * math.ulp(1.0)
-"""Ratio below which a motion of the contact point counts as rounding error, so that the point
-cannot move in this way. For a lever it is the ratio to the contact point's distance from the joint.
-For the motion in stick it is the ratio to the motion that a normal impulse causes."""
+"""Ratio below which a motion of the contact point counts as rounding error, and is set to zero. A
+lever is divided by the contact point's distance from the joint. The motion in stick is divided by
+the motion that a normal impulse causes."""
 
 CANCELS = 100.0
-"""Largest ratio of two changes of the slip velocity, by the normal and by the tangential impulse,
-to the slip velocity itself at which the changes are added. At a larger ratio the sum would lose two
-digits by cancellation, and the angular velocities are computed from the motion in stick. The ratio
-is large where a heavy link leaves a sticking contact point hardly any compliance."""
+"""Largest ratio of the changes of the slip velocity, by the normal and by the tangential impulse,
+to the slip velocity itself at which the two changes are simply added. At a larger ratio, as of a
+heavy link whose contact point sticks, the sum would lose two digits by cancellation. The angular
+velocities are then computed from the motion in stick."""
 
 # Length of the step in which the engine resolves an impact, in scene time units. It is so short
 # that forces and motion in the step have less effect than rounding error.

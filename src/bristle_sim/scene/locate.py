@@ -56,7 +56,7 @@ class Interval:
         integrate_to: function that returns the result at a time after the start.
         start: state at the start.
         length: duration of the interval.
-        instant: time after the start within which an event counts as an event at the start.
+        instant: time after the start within which an event counts as happening at the start.
     """
 
     __slots__ = ("_curve", "_known", "end", "first", "instant", "integrate_to", "length", "start")
@@ -214,10 +214,10 @@ SLOPE_SPAN = 1e-4
 GUESS_TOLERANCE = 1e-7
 
 MOST_MOVED = 0.1
-"""Longest time by which a result is advanced at constant accelerations, divided by the fastest
-motion's time scale and by sqrt(error), with the permitted error of an interval. If the relative
-error of the accelerations is sqrt(error), that of the angular velocities is then a tenth of the
-permitted error."""
+"""Longest time by which a result is advanced at constant accelerations, divided by T sqrt(error),
+with the time scale T of the fastest motion and the error permitted in an interval. If the relative
+error of the accelerations is sqrt(error), the error of the angular velocities is then a tenth of
+the permitted error."""
 
 
 def settle(

@@ -198,7 +198,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
 def _lost(
     system: System, motion: Motion, result: IntervalResult, length: float, slipping: int | None
 ) -> Happening | None:
-    """Return the event that ends a rigid contact or its stick; None if the interval is too long.
+    """Return the event that ends a rigid contact or its stick; None in too long an interval.
 
     A contact that would have to pull is released. A sticking contact whose tangential force exceeds
     the friction limit begins to slip. If both occur, the contact begins to slip and no contact is

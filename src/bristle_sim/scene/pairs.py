@@ -102,7 +102,7 @@ class FixedPair(ABC):
 
     @abstractmethod
     def touch(self, start: complex, end: complex) -> tuple[float, complex, complex]:
-        """Return gap, contact point and normal of the straight segment ``start`` to ``end``."""
+        """Return gap, contact point and normal for the segment from ``start`` to ``end``."""
 
     def closest(
         self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None

@@ -300,8 +300,8 @@ def _after_spring_event(
 def _add_limit_error(system: System, spring: SpringContact) -> None:
     """Add the difference between a contact with a spring and the impact law to the run's error.
 
-    The difference is that of the links' angular velocities after the contact; the largest one
-    counts. It is added only where the impact law predicts how the contact ends.
+    It is the largest difference of a link's angular velocity after the contact. The difference is
+    added only where the impact law predicts how the contact ends.
     """
     if system.follows_law:
         law = system.law_of(spring.pair)

@@ -153,7 +153,7 @@ class WireVelocities:
         Args:
             mass: the mass matrix.
             rows: Jacobian J of the gaps or velocities.
-            amounts: changes of the gaps or velocities.
+            amounts: required changes of the gaps or velocities.
         """
         response = self._solve(mass, rows.T)[1]
         return np.asarray(response @ self._solution(rows @ response, amounts))

@@ -239,9 +239,9 @@ class SpringContact(ActiveContact):
 
     @property
     def least_slip_at_rest(self) -> float:
-        """Slip velocity down to which a phase is "slip at rest"; 0 without a tangential spring.
+        """Least slip velocity in the phase "slip at rest"; 0 without a tangential spring.
 
-        Below this velocity the tangential spring oscillates slowly enough to be simulated.
+        At a smaller slip velocity the tangential spring oscillates slowly enough to be simulated.
         """
         law = self.law
         rise = law.compliance * abs(law.restitution_friction - law.friction) * (law.deepest or 0.0)

@@ -110,7 +110,7 @@ def _search_hop(
         One of three results:
             The interval up to the end of the rebound, and the touch. (The event is ``REST`` if the
             rebound is too low to follow.)
-            The shortened interval and None, if the link is outside the obstacle when it ends.
+            The shortened interval and None, if the link is outside the obstacle at its end.
             None, if the interval is not shortened and the link is outside the obstacle at its end.
     """
     integrate_to = interval.integrate_to

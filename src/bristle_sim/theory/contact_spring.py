@@ -129,7 +129,7 @@ class ContactSpring:
 
 
 def check_restitution(restitution: float) -> None:
-    """Check that a contact with this coefficient of restitution can be resolved in time.
+    """Check that a contact with this restitution can be simulated over its duration.
 
     Raises:
         ValueError: for a coefficient between 0 and LEAST_RESTITUTION.

@@ -248,11 +248,11 @@ def energy_crater_depth_ratio(
     *,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the crater depth from energy, by a ratio of two sums that falls like 1/``plies``, m.
+    """Return the crater depth as the ratio of a sum of energies to a sum of forces, m.
 
     The depth is cos(gamma) (sum_i dE_i)/(sum_i R_i), as eq. 4.66 of Zhang (2020) is printed, with
-    the symbols of ``energy_crater_depth``. As the number of steps grows, the sum of the energies
-    converges, while the sum of the forces grows in proportion to the number.
+    the symbols of ``energy_crater_depth``. The depth falls like 1/``plies``: the sum of energies
+    converges, while the sum of forces grows in proportion to ``plies``.
 
     With 5 plies it is the printed depth:
 

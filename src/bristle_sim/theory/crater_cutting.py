@@ -1,4 +1,4 @@
-"""Crater depth from the cutting force or from the energy, also for a contact resolved in time.
+"""Crater depth from the cutting force or from the energy, also for a simulated contact.
 
 A tip that cuts a chip of depth d_u and width b is loaded by the force F_c = u b d_u along its path
 (Merchant, 4.31; symbols of the module ``merchant``). The specific cutting energy u = tau_s cos(beta
@@ -16,10 +16,10 @@ where V is the swept volume.
 W. The sum over time steps of (4.50) differs from the equation of F_c: the sum adds up dF_c/b with
 the width at each time, although in (4.31) the whole force belongs to the last width.
 
-A contact resolved in time gives both force and energy. Up to its deepest penetration the force
-along the path, N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip is W.
-The two depths agree only if the contact is as stiff as the chip. The energy does not depend on the
-duration of the contact, but the force is inversely proportional to the duration.
+A contact simulated over its duration gives both force and energy. Up to the deepest penetration the
+force along the path, N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip
+is W. The two depths agree only if the contact is as stiff as the chip. The energy does not depend
+on the duration of the contact, but the force is inversely proportional to the duration.
 
 Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back,
 compression only, and a face longer than the cut is deep. The angle is within 0 < gamma < pi/2, in

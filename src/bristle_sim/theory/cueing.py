@@ -1,7 +1,7 @@
 """Position of the bar at which the tip strikes at its highest speed (Zhang 2020, eqs. 2.1-2.3).
 
-The bar releases the bristle when it lags its radial direction by the retraction theta_p. Seen from
-the hub's centre, the tip then lags the root by the angle A. The belt throws the bristle forward.
+The bar releases the bristle when the wire lags the radial direction by the retraction theta_p. Seen
+from the hub's centre, the tip then lags the root by the angle A. The belt throws the bristle ahead.
 The cue time t_c is the time from the release to the highest speed. In this time the hub turns by
 theta_1. At its highest speed the bristle should touch the workpart radially, at the impact angle
 gamma. The bar must therefore stand at the angle A + theta_1 + gamma from the workpart's normal.

@@ -8,9 +8,9 @@ The dissertation fits (3.3) to a measured impact of a steel ball on a plate. One
 t_f is the duration of the contact. The dissertation applies the shape to the bristle: the bristle's
 impulse is divided in the same fractions as the ball's. The bracket is 0 at t = 0 and t = t_f.
 Multiplied by F*/2, the bracket is a constant (``offset``) minus a cosine of the amplitude
-``swing``. Hence offset = swing cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12. The printed offsets 145 and 26 N
-are rounded from 145.059 and 25.981 N. The printed curves therefore have F(0) = -0.083 N (ball) and
-+0.020 N (bristle), where (3.3) has zero.
+``swing``. Hence offset = swing cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12. The printed
+offsets 145 and 26 N are rounded from 145.059 and 25.981 N. The printed curves therefore have
+F(0) = -0.083 N (ball) and +0.020 N (bristle), where (3.3) has zero.
 """
 
 from __future__ import annotations

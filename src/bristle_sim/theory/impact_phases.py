@@ -3,7 +3,7 @@
 Within a phase of constant slip direction (or stick) the velocities are linear in the normal impulse
 and the works quadratic, so that each phase ends in closed form. Slip ends where v_t = 0,
 compression where v_n = 0. Restitution ends at its target, which is a normal work, impulse or
-velocity. The same code serves arrays, and floats for speed in a scene.
+velocity. The functions accept arrays, and also floats, for which they take less time.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
 """Names of the outcomes of an impact, by their codes.
 
 ``no contact``: the point does not approach. ``rebound``: restitution ends with a normal velocity
-v_n > 0. ``no rebound``: the coefficient of restitution is 0, or restitution ends with v_n = 0, for
-example at Poisson's impulse in slip at rest. ``stiction``: compression ends, but no impulse can
-separate the point from the surface again (the jam of one degree of freedom, mu >= tan gamma).
+v_n > 0. ``no rebound``: the coefficient of restitution is 0, or restitution ends with v_n = 0.
+``stiction``: compression ends, but no impulse can separate the point from the surface again. This
+occurs at a point with one degree of freedom, such as a radial bristle's tip, if friction is large.
 ``jam``: the point sticks, and no impulse ends compression; the rigid-body law has no solution.
 """
 
@@ -212,7 +212,7 @@ def resolve_phases(
         friction: coefficient of friction in compression.
         restitution: coefficient of restitution e.
         restitution_friction: coefficient of friction in restitution.
-        stick_compliance: response in stick, 1/kg; by default it follows from the matrix.
+        stick_compliance: normal compliance in stick, 1/kg; by default it follows from the matrix.
         end: function that returns the normal impulse at which restitution ends.
     """
     mass = inverse_mass_of(k_nn, k_nt, k_tt, stick_compliance)
@@ -288,7 +288,7 @@ def _phase(
     target: Target | None = None,
     end: End | None = None,
 ) -> _Phase:
-    """Advance the state to the end of slip, unless compression or restitution ends before.
+    """Advance the state to the end of slip, or to an earlier end of compression or restitution.
 
     With a ``target`` the phase belongs to restitution, otherwise to compression. If no finite
     impulse ends the phase, the state does not change. In restitution, slip may not drive the point

@@ -85,7 +85,7 @@ class Contact:
 
     @property
     def growth(self) -> float:
-        """Ratio mu eta^2 kappa of the foot's velocity in slip to the normal velocity.
+        """Coefficient mu eta^2 kappa of the normal velocity in the velocity of the sliding foot.
 
         kappa is 1 in loading and 1/e*^2 in unloading.
         """

@@ -8,16 +8,16 @@ with the velocity v, the normal and tangential force N and T, the inverse mass m
 1 in loading, 1/e*^2 in unloading. With D = diag(kappa, 1/eta^2), w = D^(1/2) v and G = D^(-1/2) (N,
 T) this is w' = S G, G' = -w, with the symmetric S = D^(1/2) K D^(1/2). In the axes of the
 eigenvectors of S the motion is that of two oscillators, the fast and the slow mode, with squared
-rates lambda_1 >= lambda_2 >= 0. The product of the squared rates is det S = kappa/eta^2 K_tt (K_nn
-- K_nt^2/K_tt). The last factor, the compliance in stick, may be given to more digits than K holds.
+angular frequencies lambda_1 >= lambda_2 >= 0. Their product is det S = kappa/eta^2 K_tt (K_nn -
+K_nt^2/K_tt). The last factor, the compliance in stick, may be given to more digits than K holds.
 
 Stick ends where the force reaches an edge of the friction cone, mu N -+ T = 0. Loading ends where
 v_n = 0, and unloading ends where N returns to its largest value. Each of these event functions f is
 a constant plus a harmonic term of each mode. The amplitudes give a bound M of |f''|. After a time
 step h the value of f is at least f + f' h - M h^2/2. A step to the root of this parabola therefore
 passes no root of f. Such steps converge quadratically to the first root of f, and step over a near
-miss. If the rates of the modes differ much, a longer step follows from the parabola of the slow
-mode, lowered by the amplitude of the fast mode.
+miss. If the frequencies of the modes differ much, a longer step follows from the parabola of the
+slow mode, lowered by the amplitude of the fast mode.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Oscillator:
         self.bend = square / self.rate * self.swing
 
     def at(self, time: float) -> tuple[float, float, float, float]:
-        """Return x, its time derivative, and the sizes of the terms of both."""
+        """Return x and x' at a time, and the sums of the magnitudes of the terms of x and of x'."""
         cosine = math.cos(self.rate * time)
         sine = math.sin(self.rate * time) / self.rate
         one = self.start * cosine
@@ -217,8 +217,8 @@ def stick(contact: Contact, *, jams: bool, settles: bool, balances: bool) -> tup
         settles: if True, the contact is not advanced in time, but its fast mode loses its energy.
             The event is then ``SETTLED``, or ``NEVER`` for a point that would move into the surface
             without end.
-        balances: if True, the phase ends in loading, for a point with one degree of freedom, at the
-            latest when the velocity of its fast mode is zero. The event is then ``BALANCED``.
+        balances: if True, a phase in loading of a point with one degree of freedom ends at the
+            latest when the velocity of the fast mode is zero. The event is then ``BALANCED``.
 
     Returns:
         The event that ends the phase, and the phase's impulses and works.

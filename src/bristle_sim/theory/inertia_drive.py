@@ -11,9 +11,9 @@ frame,
 
 is conserved. I is the bristle's inertia about its root, k the belt stiffness, g the centrifugal
 stiffness of ``cueing``. For any belt, the bristle is therefore radial again with alpha' = +omega.
-Its absolute rate is then 2 omega, and the speed of its tip is (2 L + r_h) omega. The energy gives
-the largest retraction, and the quadrature of ``cueing`` the time. Arguments are single numbers in SI units
-and rad.
+Its absolute angular velocity is then 2 omega, and the speed of its tip is (2 L + r_h) omega. The
+energy gives the largest retraction, and the quadrature of ``cueing`` the time. Arguments are single
+numbers in SI units and rad.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def largest_retraction(
     bristle = (stiffness, centrifugal, inertia)
 
     def excess(angle: float) -> float:
-        """Return the potential energy at an angle over the initial kinetic energy, minus 1."""
+        """Return the potential energy at an angle divided by the initial kinetic one, minus 1."""
         return float((stiffened_highest_speed(angle, *bristle) / hub_speed) ** 2) - 1.0
 
     flat = 0.5 * math.pi
@@ -84,7 +84,7 @@ def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_spe
     largest retraction and then forward to the radial direction. Both take the same time, which is
     the cue time of a bristle released at this retraction.
 
-    Without centrifugal stiffness the sum is half a period on the belt, pi sqrt(I/k), here pi/2 s:
+    Without centrifugal stiffness the time is half a period on the belt, pi sqrt(I/k), here pi/2 s:
 
     >>> print(f"{time_to_radial(1.0, 4.0, 0.0, 1.0):.9f}")
     1.570796327

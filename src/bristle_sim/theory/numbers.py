@@ -1,7 +1,7 @@
 """Operations that serve floats and arrays alike, and checks of arguments.
 
-For speed in a scene the operations return a float for a float: an impact of floats takes a
-twentieth of the time of an impact of arrays with one entry. The checks raise ValueError for
+The operations return a float for a float: an impact of floats takes a twentieth of the time of an
+impact of arrays with one entry. The checks raise ValueError for
 arguments that are not real numbers or lie outside the range of a law or formula.
 """
 

@@ -6,7 +6,8 @@ tip strikes.
 
 Double (2.4.2): slender rods OB of mass m_1 = n m_2 and BC of mass m_2, both of length L, hinged at
 O and B, inclined at theta_1 and theta_2 to the normal of the surface that C strikes. In the
-generalized speeds q_1 = L phi'_1 and q_2 = L phi'_2/2, with c = cos(theta_1 - theta_2),
+generalized speeds q_1 = L phi'_1 and q_2 = L phi'_2/2 the kinetic energy T and the velocity v_C of
+C are, with c = cos(theta_1 - theta_2),
 
     T = (m_1/3 + m_2) q_1^2/2 + 2 m_2 q_2^2/3 + m_2 c q_1 q_2                                        (2.66, 2.93)
     v_C = (-q_1 cos theta_1 - 2 q_2 cos theta_2, q_1 sin theta_1 + 2 q_2 sin theta_2)                (2.68, 2.95)

@@ -63,7 +63,7 @@ class RodImpact:
         compressive_impulse: normal impulse of compression, N s.
         work: normal work so far, J.
         phases: names of the phases so far.
-        slip_stop: normal impulse at which slip stops, N s; inf until it stops.
+        slip_stop: normal impulse at which slip stops, N s; inf until slip stops.
     """
 
     def __init__(self, mass: float, ratio: float, angles: Sequence[float], speeds: Array) -> None:

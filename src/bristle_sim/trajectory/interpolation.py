@@ -254,7 +254,7 @@ def _window(time: Array, piece: tuple[int, int], low: int) -> list[int]:
 
 
 def smooth_pieces(time: Array, kinks: Collection[int] = ()) -> Pieces:
-    """Return the first and the last sample of each smooth section of a record, by index.
+    """Return the indices of the first and the last sample of each smooth section of a record.
 
     A section lies between two neighbouring kinks or jumps, and has a positive length.
 

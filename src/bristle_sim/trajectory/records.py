@@ -43,8 +43,8 @@ class Cost:
         error_estimate: the method's own estimate of the error of the last state, relative to the
             size of the motion; None if the method has no estimate.
         holds_until: time up to which the estimate is valid, s; None if it is valid to the end of
-            the run. The estimate ends at an impact whose outcome depends on the error, as in
-            chatter.
+            the run. The estimate is not valid after an impact whose outcome depends on the error,
+            as in chatter.
     """
 
     wall_s: float

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 DIMENSIONS = {"n": "time", "l": "link", "c": "corner", "2": "axis"}
 SINGULAR = {"angles": "angle", "rates": "rate"}
-"""Variables of a dataset whose names differ from those of the run's arrays; ``DIMENSIONS`` holds
-the names of its dimensions."""
+"""Names of the variables of a dataset that differ from the names of the run's arrays, which are the
+keys. ``DIMENSIONS`` holds the names of a dataset's dimensions by the letters of ``SAMPLED``."""
 
 
 def to_dataframe(run: Any) -> pd.DataFrame:

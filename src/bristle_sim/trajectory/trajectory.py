@@ -117,7 +117,7 @@ class Trajectory(Motion):
     def accuracy_not_reached(self) -> str:
         """A warning if the error estimate exceeds the requested accuracy more than a hundredfold.
 
-        Otherwise it is an empty string. If the estimate is valid for the whole run, the warning
+        Otherwise the text is empty. If the estimate is valid for the whole run, the warning
         begins with "accuracy not reached". The estimate loses its validity at chatter, or at a
         touch whose speed is smaller than the error. The warning then begins with "error estimate".
         """
