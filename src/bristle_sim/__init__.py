@@ -114,8 +114,8 @@ def __getattr__(name: str) -> Any:
 def _sweep_without_extra(error: ModuleNotFoundError) -> Any:
     """Return the function that replaces ``sweep`` if its optional dependencies are not installed.
 
-    A call raises an ImportError that names the missing extra. Because the name ``sweep`` exists,
-    ``help`` and star imports work without the extra.
+    A call raises an ImportError that names the missing extra and quotes ``error``. Because the name
+    ``sweep`` exists, ``help`` and star imports work without the extra.
     """
 
     def sweep(*_: Any, **__: Any) -> Any:

@@ -78,7 +78,7 @@ class Quantity:
     def ok(self) -> bool | None:
         """Whether the difference from the compared value is within the tolerance.
 
-        The result is None if there is no tolerance or no compared value. It is False if the
+        The result is None if there is no tolerance or no compared value. The result is False if the
         simulated value is missing or NaN.
         """
         if self.tolerance is None:
@@ -168,8 +168,8 @@ class Report:
         outcome_in_words: the outcome in the words of ``ContactRecord.outcome_in_words``, for
             sentences, sweeps and web pages; empty without an outcome.
         not_reached: sentence on an accuracy that the simulation has not reached
-            (``Trajectory.accuracy_not_reached``). It becomes the last remark. If the sentence
-            begins with "accuracy not reached", the answer begins with these words, too.
+            (``Trajectory.accuracy_not_reached``). The sentence becomes the last remark. If the
+            sentence begins with "accuracy not reached", the answer begins with these words, too.
     """
 
     outcome: str | None = None

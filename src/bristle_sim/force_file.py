@@ -144,7 +144,7 @@ def _lines(path: str | Path) -> list[str]:
 
 
 def _cells(path: str | Path, number: int, line: str, separator: str | None) -> list[str]:
-    """Return the texts of a line between its separators, without surrounding blanks and quotes."""
+    """Return the texts between a line's separators, without surrounding blanks and quotes."""
     try:
         row = (
             next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
@@ -157,7 +157,7 @@ def _cells(path: str | Path, number: int, line: str, separator: str | None) -> l
 
 
 def _number(cell: str, decimal: str) -> float | None:
-    """Return the number in a cell, which may be infinite or NaN; None if it is not a number."""
+    """Return the number, perhaps infinite or NaN, in a cell; None if the text is no number."""
     try:
         return None if "_" in cell else float(cell.replace(decimal, "."))
     except ValueError:
@@ -167,7 +167,8 @@ def _number(cell: str, decimal: str) -> float | None:
 def _value(path: str | Path, number: int, row: list[str], decimal: str, column: Column) -> float:
     """Return the value that a row of a file has in a column.
 
-    ``number`` is the number of the row's line in the file, for messages.
+    ``number`` is the number of the row's line in the file, for messages. ``decimal`` is the decimal
+    sign.
 
     Raises:
         ValueError: if the text is not a number, or the number is larger than MOST; the message

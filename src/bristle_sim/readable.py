@@ -24,7 +24,7 @@ LARGEST_PREFIX = {
 """Largest customary prefix by unit; only these units are shown with a prefix."""
 
 SMALLEST_PREFIX = {"N s": "m", "N": "m"}
-"""Smallest customary prefix by unit; it is n for all other units."""
+"""Smallest customary prefix by unit; all other units have the smallest prefix n."""
 
 CUSTOMARY = {
     "m^2": ("mm²", 1e-6),
@@ -52,7 +52,7 @@ def plain_number(value: float, digits: int) -> str:
 
 
 def amount(value: float, unit: str, digits: int = 3) -> str:
-    """Return a number with its unit and a readable prefix, for example ``2.75 mN s``."""
+    """Return a number with its unit and a readable prefix as text, for example ``2.75 mN s``."""
     shown, factor = readable_unit(unit, [value])
     written = {"deg": "°", "1": ""}.get(shown, f" {shown}")
     return f"{plain_number(value / factor, digits)}{written}"

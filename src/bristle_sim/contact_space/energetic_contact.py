@@ -203,8 +203,8 @@ class EnergeticContact:
     def _attach(self) -> None:
         """Register this object's ``pre_solve`` callback for every pair of collision types.
 
-        If the user has registered another callback for the pair since the last call, it is stored
-        as ``chained`` and called first.
+        If the user has registered another callback for the pair since the last call, that callback
+        is stored as ``chained`` and called first.
         """
         for types, pair in self.pairs.items():
             handler = self.space._handlers[types]
@@ -218,7 +218,7 @@ class EnergeticContact:
     ) -> None:
         """Call the user's callback for a contact, then classify the contact.
 
-        The engine resolves a contact at rest. It ignores an impact, which is recorded instead.
+        The engine resolves a contact at rest. An impact is recorded, and the engine ignores it.
         """
         try:
             if pair.chained is not None:

@@ -82,10 +82,10 @@ def relative_rows(
     """Return the Jacobian rows for the velocity of one point relative to another.
 
     Args:
-        ends: for each of the two points, the body that carries it and its world coordinates. If
-            only one is given, the other point is at rest.
-        directions: unit vectors; each row belongs to the velocity of the first point relative to
-            the second along one of them.
+        ends: for each of the two points, the body that carries the point, and the point's world
+            coordinates. If only one point is given, the other is at rest.
+        directions: unit vectors. For each of them a row gives the component, along the vector, of
+            the velocity of the first point relative to the second.
     """
     entries = []
     for (body, point), sign in zip(ends, (1.0, -1.0), strict=False):
@@ -100,7 +100,7 @@ def relative_rows(
 
 
 def world(body: pymunk.Body, place: tuple[float, float]) -> complex:
-    """Return the world coordinates of a point from its coordinates on a body."""
+    """Return the world coordinates of a point that is given in the coordinates of a body."""
     return complex(*body.local_to_world(place))
 
 
@@ -192,8 +192,8 @@ def _reached(value: float, least: float, most: float, margin: float) -> list[tup
 
     Args:
         value: the coordinate.
-        least: its lower limit.
-        most: its upper limit.
+        least: lower limit of the coordinate.
+        most: upper limit of the coordinate.
         margin: distance at which a limit counts as reached.
 
     Returns:

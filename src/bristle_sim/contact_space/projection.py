@@ -79,7 +79,8 @@ def allowed_part(
 def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> None:
     """Change the bodies' velocities as little as possible so that the velocities obey the joints.
 
-    The size of a change is the kinetic energy of the bodies with the changes as velocities.
+    The size of a change is the kinetic energy that the bodies would have if the velocity changes
+    were their velocities.
 
     Raises:
         RuntimeError: if the search finds no set of limits such that each limit in the set pushes

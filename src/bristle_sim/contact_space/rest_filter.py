@@ -40,8 +40,8 @@ class RestFilter:
     Attributes:
         space: the space.
         resting_speed: the user's bound on the approach speed of a contact at rest.
-        resting: the bound in effect in this step, which also takes account of gravity; negative
-            until the step's first contact.
+        resting: bound on the approach speed of a contact at rest in this step. It also takes
+            account of gravity, and is negative until the step's first contact.
         at_rest: contacts at rest of this step, which the engine resolves.
         impacts: impacts of this step, which the engine ignores.
         motion: velocity changes in this step of the bodies in ``impacts``, and of bodies joined to
@@ -106,7 +106,8 @@ class RestFilter:
         """Record an impact, and make the engine ignore it.
 
         The engine's data of the contact are changed to those of a separating contact without
-        overlap. The engine thus applies no impulse, but keeps the contact and wakes its bodies.
+        overlap. The engine thus applies no impulse, but keeps the contact and wakes its bodies. The
+        arguments are those of ``filter_impact``.
         """
         for body in arbiter.bodies:
             self.motion.note(joined([body]))
@@ -121,10 +122,11 @@ class RestFilter:
 
 
 def _approach(raw: Any, bodies: tuple[Any, Any]) -> tuple[float, float]:
-    """Return the approach speed of a contact's fastest point, and the scale of the speed's error.
+    """Return the largest approach speed of a contact's points, and the scale of its rounding error.
 
-    The error is rounding error. Its scale is the sum of the magnitudes of the velocity components
-    of both bodies at this point. The engine writes its pointers to the bodies into ``bodies``.
+    The scale is the sum of the magnitudes of the velocity components of both bodies at the fastest
+    point. ``raw`` is the engine's pointer to the contact. ``bodies`` is memory into which the
+    engine writes its pointers to the two bodies.
     """
     first, second = bodies
     lib.cpArbiterGetBodies(raw, first, second)

@@ -98,7 +98,7 @@ class StepMotion:
     def changes(self, bodies: Sequence[pymunk.Body]) -> Array:
         """Return the velocity changes of bodies in the step, shape (3 * len(bodies),).
 
-        They are the changes of v_x, v_y and the angular velocity of each body.
+        The changes of v_x, v_y and the angular velocity of the first body come first.
         """
         return np.array([self.gains.get(each, NONE) for each in bodies]).ravel()
 
@@ -149,7 +149,7 @@ class Overlap(NamedTuple):
     def ahead(self, later: Overlap, factor: float) -> Overlap:
         """Return the overlap at another instant, with point and normal extrapolated linearly.
 
-        ``factor`` is 0 at this overlap and 1 at ``later``. The depth is that of this overlap.
+        ``factor`` is 0 at the instant of this overlap and 1 at that of ``later``. The depth stays.
         """
         normal = self.normal + factor * (later.normal - self.normal)
         point = self.point + factor * (later.point - self.point)
@@ -236,7 +236,8 @@ class TouchingPoint:
         rests: whether the contact was at rest before the step, so that the engine has resolved it
             and no impact occurs.
         overlap: place, normal and depth of the shapes' overlap. The depth is that at the end of the
-            step. Place and normal are those at the instant of touch once it has been located.
+            step. Place and normal are those at the instant of touch once that instant has been
+            located.
         drift: mean speed at which the depth of the overlap grew in the step. Depth and drift give
             the instant of touch.
         time: time from the touch to the end of the step.

@@ -31,10 +31,10 @@ Types = tuple[int, int]
 class TunnellingWatch:
     """Warns once if a body passes through a shape with which it should collide.
 
-    Only a fast body can do so: one that moves in a step by more than the width of the narrowest
-    shape. To save time, the speeds of all bodies are read only in every sixteenth step. They are
-    read in every step while a body is fast, and in the step after the number of shapes has changed.
-    The least widths of the shapes are computed when their number changes.
+    Only a fast body, which moves in a step by more than the width of the narrowest shape, can pass
+    through a shape. To save time, the speeds of all bodies are read only in every sixteenth step.
+    The speeds are read in every step while a body is fast, and in the step after the number of
+    shapes has changed. The least widths of the shapes are computed when their number changes.
 
     Attributes:
         warned: whether the warning has been given. Speeds are not read after the warning.

@@ -90,8 +90,8 @@ def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
 class Bristle(Declared):
     """Slender wire, straight or with one knee.
 
-    It is one rigid rod, or a chain of equal rigid links that bends at the joints. If no mass is
-    given, the mass is the density times the wire's volume. In a changed copy
+    The wire is one rigid rod, or a chain of equal rigid links that bends at the joints. If no mass
+    is given, the mass is the density times the wire's volume. In a changed copy
     (``dataclasses.replace``) such a mass is computed anew, but a given mass stays the same.
     """
 
@@ -182,7 +182,7 @@ class Bristle(Declared):
     def inertia_about_centre(self) -> float:
         """Moment of inertia about the centre of mass, kg m^2.
 
-        It is m L^2/12 for a straight bristle (Zhang 2020, eq. 2.22).
+        For a straight bristle the value is m L^2/12 (Zhang 2020, eq. 2.22).
         """
         if self.knee_angle_deg == 0.0:
             return self.mass * self.length**2 / 12.0
@@ -290,7 +290,7 @@ class Surface(Declared):
     def friction_in_restitution(self) -> float:
         """Coefficient of friction mu_2 during restitution.
 
-        It is ``restitution_friction``, or ``friction`` if ``restitution_friction`` is None.
+        The value is ``restitution_friction``, or ``friction`` if ``restitution_friction`` is None.
         """
         return self.friction if self.restitution_friction is None else self.restitution_friction
 

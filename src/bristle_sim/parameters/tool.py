@@ -150,8 +150,8 @@ class Tool(Declared):
     def start_hub_angle(self) -> float:
         """Hub angle at the start of a pass, rad.
 
-        By default it is -pi/2 if the undeflected wire first touches the bar at a later hub angle.
-        Otherwise the pass starts 5 deg before this first touch.
+        By default the angle is -pi/2 if the undeflected wire first touches the bar at a later hub
+        angle. Otherwise the pass starts 5 deg before this first touch.
 
         The touch is computed in complex numbers, with the hub's centre as origin and the root's
         direction as real axis. There the bar's centre is S e^{i phi}, and phi decreases as the hub
@@ -186,8 +186,9 @@ class Tool(Declared):
     def workpart_depth(self) -> float:
         """Distance of the workpart's surface below the hub's centre, m.
 
-        It is the radius of the circle on which the undeflected tip moves, minus the penetration
-        Delta. For a straight bristle this radius is the hub's radius plus the bristle's length.
+        The distance is the radius of the circle on which the undeflected tip moves, minus the
+        penetration Delta. For a straight bristle this radius is the hub's radius plus the bristle's
+        length.
         """
         if self.workpart is None:
             raise ValueError("workpart = None: must be a Workpart where its depth is requested")
@@ -196,9 +197,9 @@ class Tool(Declared):
 
     @property
     def bar_reach(self) -> float:
-        """Distance of the wire's centre line from the bar's centre when they touch, m.
+        """Distance of the wire's centre line from the bar's centre in contact, m.
 
-        It is the bar's radius plus half the wire's diameter.
+        The distance is the bar's radius plus half the wire's diameter.
         """
         if self.bar is None:
             raise ValueError("bar = None: must be a Bar where its reach is requested")

@@ -71,7 +71,7 @@ def meeting_angle(radius: Array, distance: Array, reach: Array) -> Array:
 
 
 class Closest(NamedTuple):
-    """The shortest distance between wire and bar; all lengths are divided by the bristle's length.
+    """The point of a wire that is closest to the bar; lengths are divided by the bristle's length.
 
     Attributes:
         gap: gap between the surfaces of wire and bar.
@@ -92,7 +92,7 @@ class Closest(NamedTuple):
 
 
 def closest(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Closest:
-    """Return the shortest distance between each wire and the bar, and the geometry at that place.
+    """Return the point of each wire that is closest to the bar, with the gap and its derivative.
 
     ``hub_angle`` is psi (rad), ``angle`` the wire's angle alpha from the radial direction (rad) and
     ``rate`` the derivative d(alpha)/d(psi), all of shape (..., passes).
@@ -116,8 +116,9 @@ def levers(
     bar.
 
     A lever arm is the derivative of a velocity component with respect to the wire's angular
-    velocity. The normal points from the bar to the wire. The tangent is the normal rotated clockwise
-    by a right angle. Lengths are divided by the bristle's length, and the hub angle is the time.
+    velocity. The normal points from the bar to the wire. The tangent is the normal rotated
+    clockwise by a right angle. Lengths are divided by the bristle's length, and the hub angle is
+    the time. The arguments are those of ``closest``.
 
     Returns:
         The lever arms of the normal and of the tangential velocity.
@@ -221,7 +222,7 @@ def locks(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Chosen
     """Return whether friction locks each wire on the bar.
 
     A wire is locked if the moment of the friction force about the root is at least as large as the
-    opposite moment of the normal force.
+    opposite moment of the normal force. The arguments are those of ``closest``.
     """
     normal, tangential, _, slip, _ = levers(passes, hub_angle, angle, rate)
     rub = passes.bar_friction * np.sign(slip) * tangential

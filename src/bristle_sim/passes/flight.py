@@ -141,7 +141,8 @@ def _step(passes: Passes, course: Course, tolerance: float) -> tuple[Array, Chos
 
     A step ends no later than the pass, and no later than the hub angle from which the wire can
     reach the bar. Near the bar, a step is so short that the gap has at most one minimum in each of
-    its segments. ``tolerance`` bounds the error of the Taylor series in a step.
+    its segments. ``course`` is the Taylor series of the motion; ``tolerance`` bounds its error in a
+    step.
     """
     chi = half_turn(passes.hub_angle - passes.bar_angle)
     outside = np.abs(chi) > passes.window + EDGE
@@ -177,7 +178,8 @@ def height(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> tuple
     """Return the height of each tip above the workpart, and its derivative with respect to the hub
     angle.
 
-    The height is divided by the bristle's length.
+    The height is divided by the bristle's length. ``hub_angle`` is psi (rad), ``angle`` the wire's
+    angle alpha from the radial direction (rad), and ``rate`` the derivative d(alpha)/d(psi).
     """
     root = passes.radius * direction(hub_angle)
     wire = direction(hub_angle + angle)

@@ -116,7 +116,8 @@ class Course(NamedTuple):
 def free_acceleration(passes: Passes, hub_angle: Array, angle: Array, rate: Array) -> Array:
     """Return the angular acceleration alpha'' of bristles without a contact, relative to the hub.
 
-    Derivatives are with respect to the hub angle. All arrays have the shape (..., passes).
+    ``hub_angle`` is psi (rad), ``angle`` is alpha (rad), and ``rate`` is alpha'. A prime is a
+    derivative with respect to the hub angle. All arrays have the shape (..., passes).
     """
     torque = passes.damping * rate + passes.stiffness * angle + passes.centrifugal * np.sin(angle)
     if passes.gravity.any():

@@ -107,7 +107,8 @@ def request_of(tool: Tool, values: Mapping[str, Any], hub_turn: float) -> Reques
 def _array(declared: Range, value: Any) -> Array:
     """Return the values of a key as numbers in the key's unit; the value None becomes NaN.
 
-    An array of numbers is not checked against the key's range.
+    ``declared`` is the declaration of the key. An array of numbers is not checked against the key's
+    range.
     """
     if hasattr(value, "dimensionality"):  # a quantity of pint, which would lose its unit
         raise declared.refusal(value)

@@ -88,7 +88,8 @@ def opens_without_force(system: System, motion: Motion, contact: ActiveContact) 
 def lock(system: System, contacts: list[ActiveContact]) -> None:
     """Stop a run in which no force can keep a contact closed.
 
-    With friction the link jams. Without friction it meets its obstacle end-on.
+    With friction the link jams. Without friction the link meets its obstacle end-on. ``contacts``
+    are the contacts that lock the link.
     """
     pairs = [contact.pair for contact in contacts]
     if any(pair.friction for pair in pairs):

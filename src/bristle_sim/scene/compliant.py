@@ -161,7 +161,7 @@ class CompliantLaw(ContactLaw):
     def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return a contact duration so short that the outcome agrees with the rigid-body limit.
 
-        It is also long enough to keep rounding error small.
+        The duration is also long enough to keep rounding error small.
 
         Args:
             scene: the scene.
@@ -194,9 +194,10 @@ def rigid_stiffness(
 ) -> float:
     """Return the compression stiffness that gives a contact of the duration T (``duration``).
 
-    It is k = (pi (1 + e*)/(2 T))^2/K_nn, with the energetic coefficient of restitution e*, and
-    holds for a rigid, frictionless wire. The inverse mass along the normal is K_nn = l^2/I, with
-    the lever l of the normal and the moment of inertia I of the straight wire, both about the root.
+    The stiffness is k = (pi (1 + e*)/(2 T))^2/K_nn, with the energetic coefficient of restitution
+    e*. This equation holds for a rigid, frictionless wire. ``touch`` is the closest approach at the
+    first touch. The inverse mass along the normal is K_nn = l^2/I, with the lever l of the normal
+    and the moment of inertia I of the straight wire, both about the root.
     """
     size = mechanism.wire_links
     poses = mechanism.poses(state)

@@ -63,7 +63,8 @@ NUMBERS = len(Sums._fields)
 
 
 def sums_of(totals: Sequence[float], index: int) -> Sums:
-    """Return one contact's forces, impulses and work from the flat list of all contacts' values."""
+    """Return the values of the contact with a given index from the flat list of all contacts'
+    values."""
     return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
 
 
@@ -85,8 +86,8 @@ class Outcome(StrEnum):
 class ActiveContact(ClosedPair):
     """A sustained contact, with its impulse and work so far.
 
-    An object of this class itself is a rigid contact, in which friction opposes ``slip``. The
-    subclass ``SpringContact`` is a contact with springs.
+    The class describes a rigid contact, in which friction opposes ``slip``. Its subclass
+    ``SpringContact`` describes a contact with springs.
 
     Attributes:
         start: state at which the contact began; None until it has begun.

@@ -87,7 +87,7 @@ class IntervalResult(NamedTuple):
     middle: State | None = None
 
     def moved(self, time: float) -> IntervalResult:
-        """Return the result with the state of a short time later, at constant accelerations."""
+        """Return the result with its state advanced by a short time at constant accelerations."""
         return self._replace(state=self.state.moved(time, self.accelerations))
 
 

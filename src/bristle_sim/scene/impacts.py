@@ -200,7 +200,8 @@ def impact_at(
 ) -> Impact:
     """Return the impact of a contact point by Stronge's energetic law.
 
-    ``velocity`` is the (normal, tangential) velocity before the impact.
+    ``velocity`` is the (normal, tangential) velocity before the impact, ``tangential_compliance``
+    the dimensionless compliance eta^2.
     """
     coefficients = (pair.friction, pair.restitution, pair.restitution_friction)
     stick = point.stick_compliance

@@ -96,9 +96,9 @@ class LinkVelocity:
             u_n + l_n (w + (l_n + f l_t) p/I) = 0,
 
         with the joint's normal velocity u_n, the levers l_n and l_t of normal and tangent about the
-        joint, the normal impulse p and the tangential impulse f p. The angular velocity w is that
-        without contact, but with damping. I is the moment of inertia about the joint plus the
-        damping times the length of the step, which is ``step``.
+        joint, the normal impulse p and the tangential impulse f p. The link would have the angular
+        velocity w without the contact, but with damping. I is the moment of inertia about the joint
+        plus the damping times the length of the step, which is ``step``.
         """
         body = self._body
         speed = self._speed

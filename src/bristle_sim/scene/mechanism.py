@@ -249,8 +249,8 @@ def xy(point: complex) -> Vector:
 def cross(arm: complex, direction: complex) -> float:
     """Return the cross product of two vectors, ``arm`` x ``direction``.
 
-    It is the moment of a force ``direction`` that acts at the end of ``arm``, about the arm's
-    start. For a unit vector ``direction`` it is the lever of the force.
+    The product is the moment, about the start of ``arm``, of a force ``direction`` that acts at the
+    end of ``arm``. For a unit vector ``direction`` the product is the lever of the force.
     """
     return (arm.conjugate() * direction).imag
 

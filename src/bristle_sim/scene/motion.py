@@ -95,8 +95,8 @@ class Motion:
 def motion_events(system: System, contacts: Sequence[ActiveContact]) -> Iterator[Event]:
     """Yield the events that do not belong to a contact.
 
-    They are the largest retraction, the highest angular velocity, the retraction limit, and the
-    instant at which the tip leaves the dent of an earlier contact. A wire in one of the active
+    The events are the largest retraction, the highest angular velocity, the retraction limit, and
+    the instant at which the tip leaves the dent of an earlier contact. A wire in one of the active
     ``contacts`` has no highest angular velocity.
     """
     mechanism = system.mechanism

@@ -180,7 +180,7 @@ class BarPair(FixedPair):
     def touch(self, start: complex, end: complex) -> tuple[float, complex, complex]:
         """Return gap, contact point and normal of a straight segment.
 
-        The segment has round ends; the contact point is on its surface.
+        The segment has round ends; the contact point is on the segment's surface.
         """
         centre = self.centre
         span = end - start
@@ -240,7 +240,7 @@ class WorkpartPair(FixedPair):
     corner: int = -1
 
     def lines(self, corners: tuple[complex, ...]) -> list[Line]:
-        """Return the segment from the link's joint to the corner that can touch, as a list."""
+        """Return a list of one segment, from the link's joint to the corner that can touch."""
         return [(corners[0], corners[self.corner])]
 
     def touch(self, _: complex, end: complex) -> tuple[float, complex, complex]:
@@ -322,10 +322,10 @@ def contact_rows(
 ) -> Array:
     """Return the Jacobian of the contact points' velocities in the links' angular velocities.
 
-    It has the shape (2 pairs, links): first the rows of the normal velocities of all pairs, then
-    those of the tangential velocities. With the contact normal n and an arm r, a link's entry is
-    Re(i conj(n) r) in a normal row and -Im(i conj(n) r) in a tangential row. For the touching link
-    r is the vector from its joint to the contact point. For a link between it and the root r is the
+    The matrix has the shape (2 pairs, links): first the rows of the normal velocities of all pairs,
+    then those of the tangential velocities. With the contact normal n and an arm r, a link's entry
+    is Re(i conj(n) r) in a normal row and -Im(i conj(n) r) in a tangential row. For the touching
+    link r is the vector from its joint to the contact point. For a link nearer to the root r is the
     vector from joint to tip. The entries of another wire's links have the opposite sign.
 
     Args:

@@ -67,8 +67,8 @@ def motion_in_si(
 ) -> dict[str, Array]:
     """Return the motion and the energies of a wire at n samples, in SI units.
 
-    The keys are the names of the attributes of a ``Trajectory``. The potential energy is that of
-    belt, hinges and gravity.
+    The result is a dictionary with the names of a ``Trajectory``'s attributes as keys. The
+    potential energy is that of belt, hinges and gravity.
     """
     mechanism = scene.mechanism
     effects = scene.effects
@@ -155,7 +155,8 @@ def contacts_in_si(
     """Return a wire's contact records in SI units, in order of time.
 
     A record holds the angles and angular velocities of this wire only. The record also states the
-    number of the link in contact, and that of the neighbouring bristle if the wire touches one.
+    number of the link in contact and, in a contact of two bristles, the number of the other
+    bristle.
     """
     size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)

@@ -243,7 +243,7 @@ def _contact_begun(
 def _touch_name(system: System, pair: ContactPair) -> str:
     """Return the name of a touch as an event.
 
-    It is ``strike`` for a wire's first touch of the workpart, and otherwise ``bar touch``,
+    The name is ``strike`` for a wire's first touch of the workpart, and otherwise ``bar touch``,
     ``workpart touch`` or ``wire touch``.
     """
     wire = system.wires_of(pair)[0]

@@ -248,9 +248,8 @@ time c/k. For several links it is the number that damping or vibration requires 
 def samples_per_period(settings: Settings) -> int:
     """Return the least number of samples in a period of the bristle on its belt.
 
-    It is the number in the settings. If the settings state none, it follows from the accuracy: the
-    relative error of cubic interpolation is h^4/384 for samples at intervals of h rad of the
-    oscillation.
+    The settings may state this number. Otherwise the number follows from the accuracy: the relative
+    error of cubic interpolation is h^4/384 for samples at intervals of h rad of the oscillation.
     """
     if settings.samples_per_period is not None:
         return settings.samples_per_period
@@ -285,8 +284,8 @@ def stepper_for(scene: Scene, settings: Settings, plan: Plan) -> Extrapolation:
 def time_scale(scene: Scene) -> float:
     """Return the time scale of the motion, in scene units.
 
-    It is 1/omega with the angular frequency omega of the straight wire's fastest bending mode, but
-    at most 1.
+    The time scale is 1/omega, with the angular frequency omega of the straight wire's fastest
+    bending mode, but at most 1.
     """
     if not scene.effects.hinge[0]:
         return 1.0
@@ -302,9 +301,9 @@ def time_scale(scene: Scene) -> float:
 def motion_scale(scene: Scene, start: State) -> float:
     """Return the angular velocity (scene units) by which errors of a free bristle are divided.
 
-    It is the largest angular velocity relative to the hub that the single rigid bristle reaches,
-    but at most 1. A bristle of natural angular frequency w that is released from rest at the angle
-    a reaches the angular velocity a w. The result is 1 for a bristle that does not move.
+    The result is the largest angular velocity relative to the hub that the single rigid bristle
+    reaches, but at most 1. A bristle of natural angular frequency w that is released from rest at
+    the angle a reaches the angular velocity a w. The result is 1 for a bristle that does not move.
     """
     mechanism = scene.mechanism
     effects = scene.effects

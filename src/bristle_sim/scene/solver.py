@@ -241,8 +241,8 @@ class WireVelocities:
     def _closest(self, turn: Complexes, contact: ClosedPair) -> ClosestApproach:
         """Return the closest approach of a contact's link and obstacle.
 
-        It is computed from the bodies' positions in the engine, which drift off the joints slightly
-        within an interval. ``turn`` is e^{i angle} of each link.
+        The closest approach is computed from the bodies' positions in the engine, which drift off
+        the joints slightly within an interval. ``turn`` is e^{i angle} of each link.
         """
         mechanism = self._mechanism
         poses: Any = {}

@@ -194,7 +194,7 @@ class SpringContact(ActiveContact):
     def compliance_in_stick(self) -> float:
         """Tangential inverse mass K_tt of the contact point in stick.
 
-        It is 0 if friction cannot stop the slip, so that the contact point cannot stick.
+        The value is 0 if friction cannot stop the slip, so that the contact point cannot stick.
         """
         (normal, _), (_, tangential) = self.inverse_mass
         least = max(NO_SLIP_TO_STOP, min(NO_GRIP * self.duration, MOST_TURN) ** 2)
@@ -218,7 +218,7 @@ class SpringContact(ActiveContact):
     def spare_friction(self, penetration: float, stick_force: float) -> float:
         """Return the friction limit at a penetration minus the magnitude of ``stick_force``.
 
-        It is negative if the contact point cannot stick.
+        The difference is negative if the contact point cannot stick.
         """
         return self.law.coefficient * self.law.normal_force(penetration) - abs(stick_force)
 
@@ -250,8 +250,9 @@ class SpringContact(ActiveContact):
     def off_balance(self, velocity: Vector) -> float:
         """Return v_t + eta^2 v_n K_nt/K_tt for the (normal, tangential) velocity (v_n, v_t).
 
-        During loading it is proportional to the time derivative of the tangential acceleration that
-        the contact forces cause. K is the inverse mass matrix, eta^2 the tangential compliance.
+        During loading the result is proportional to the time derivative of the tangential
+        acceleration that the contact forces cause. K is the inverse mass matrix, eta^2 the
+        tangential compliance.
         """
         coupling, along = map(float, self.inverse_mass[1])
         return velocity[1] + self.law.compliance * velocity[0] * coupling / along

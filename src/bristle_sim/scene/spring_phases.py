@@ -219,8 +219,8 @@ def _ends_in_stiction(system: System, spring: SpringContact) -> bool:
 def _settle_slip(system: System, motion: Motion, spring: SpringContact) -> None:
     """Decide whether the contact point sticks after its slip has stopped.
 
-    It sticks if the force in stick is within the friction limit. Otherwise it slips in the sense in
-    which the other forces drive it.
+    The point sticks if the force in stick is within the friction limit. Otherwise the point slips
+    in the sense in which the other forces drive it.
     """
     if spring.elastic:
         _settle_foot(system, motion, spring)

@@ -300,11 +300,11 @@ velocities after the step are proportional to it."""
 def wire_frequencies(tool: Tool) -> Array:
     """Return the natural frequencies (Hz) of a tool's undamped wire on a hub at rest.
 
-    They follow from the eigenvalues of M^-1 K, with the mass matrix M and the stiffness matrix K in
-    the links' angles. Each link in turn is set at a small angle, and one engine step is taken from
-    rest. The engine moves the links by their old velocities, which are zero. The angular velocities
-    of all links after the step, divided by the angle and by the step's length, are therefore a
-    column of -M^-1 K.
+    The frequencies follow from the eigenvalues of M^-1 K, with the mass matrix M and the stiffness
+    matrix K in the links' angles. Each link in turn is set at a small angle, and one engine step is
+    taken from rest. The engine moves the links by their old velocities, which are zero. The angular
+    velocities of all links after the step, divided by the angle and by the step's length, are
+    therefore a column of -M^-1 K.
 
     Returns:
         The frequencies in ascending order, shape (links,).

@@ -293,10 +293,10 @@ def first_touch(
 ) -> float | None:
     """Return a fraction of the interval at which a gap is closed, or almost closed.
 
-    The gap is computed on the interpolating polynomial. Return None if it stays open. The returned
-    fraction may be later than the first touch, but is never later than a second touch. The gap's
-    error at a fraction f is at most 16 f^2 (1 - f)^2 times ``interpolation_error``, because angles
-    and angular velocities at the interval's ends are exact.
+    The gap is computed on the interpolating polynomial. Return None if the gap stays open. The
+    returned fraction may be later than the first touch, but is never later than a second touch. The
+    gap's error at a fraction f is at most 16 f^2 (1 - f)^2 times ``interpolation_error``, because
+    angles and angular velocities at the interval's ends are exact.
 
     Args:
         mechanism: the mechanism, for its largest speed.

@@ -104,7 +104,7 @@ class ContactSpring:
     def foot_velocity(self, velocity: Vector, slip: int) -> float:
         """Return the velocity of the tangential spring's sliding foot along the surface.
 
-        Without a tangential spring it is the tangential velocity of the contact point.
+        Without a tangential spring the result is the tangential velocity of the contact point.
 
         ``velocity`` is the (normal, tangential) velocity of the contact point. ``slip`` is the
         sense in which the foot slides, -1 or 1.

@@ -200,7 +200,8 @@ def _depth_ratio(
 
     dR is the increase of the resultant force in a time step, b the width of the cut. With the
     friction angle beta and the rake angle alpha, the cutting force is R cos(beta - alpha), and this
-    cosine cancels the one in the denominator of (4.50).
+    cosine cancels the one in the denominator of (4.50). The arguments are those of
+    ``merchant_crater_depth``.
     """
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
@@ -209,8 +210,8 @@ def _depth_ratio(
 def _ply_sum(plies: float, compression_time: float, wire_diameter: float) -> float:
     """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i) over equal time steps, N/m.
 
-    R is the resultant force, b the width of the cut. For infinitely many steps it is the integral
-    of R'(t)/b(t).
+    R is the resultant force, b the width of the cut. For infinitely many steps the result is the
+    integral of R'(t)/b(t). The arguments are those of ``merchant_crater_depth``.
     """
     width = CuttingWidth(0.5 * wire_diameter)
     if math.isinf(plies):

@@ -123,7 +123,7 @@ def depth_from_energy(
     slope = np.tan(impact_angle)
 
     def excess(path: Number) -> tuple[Number, Number]:
-        """Return the swept volume minus the required one (m^3), and its derivative."""
+        """Return the volume that a path sweeps minus that required (m^3), and its derivative."""
         width = face.width(path * np.sin(impact_angle))
         return swept_volume(path, impact_angle, face) - volume, width * path * slope
 

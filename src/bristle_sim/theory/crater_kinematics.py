@@ -219,8 +219,8 @@ def kinetic_energy(
 ) -> Number:
     """Return the kinetic energy of the bristle (J) at times >= 0 in s (Zhang 2020, eq. 4.59).
 
-    ``coefficients`` are a, b and c of ``energy_coefficients``, by default the printed ones. The
-    decay rate is the printed one.
+    The energy is a e^(-2 lambda t) + b e^(-lambda t) + c. ``coefficients`` are a, b and c, by
+    default those printed in the dissertation. The decay rate lambda is the printed 92400 1/s.
     """
     left = np.exp(-PRINTED_KINEMATICS.decay * np.asarray(time))
     return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]

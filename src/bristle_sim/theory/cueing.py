@@ -53,8 +53,8 @@ def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Num
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """Return the distance of the tip from the hub's centre at a retraction of the bristle, m.
 
-    It is sqrt(r_h^2 + L^2 + 2 r_h L cos(theta_p)), with the hub's radius r_h (m), the wire's length
-    L (m) and the retraction theta_p (rad).
+    The distance is sqrt(r_h^2 + L^2 + 2 r_h L cos(theta_p)), with the hub's radius r_h (m), the
+    wire's length L (m) and the retraction theta_p (rad).
 
     A hub radius of 3 m and a wire of 4 m at a right angle give:
 
@@ -67,7 +67,7 @@ def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """Return the angle between the tip and the root as seen from the hub's centre, rad.
 
-    It is the angle A of Zhang (2020), fig. 2.3. Lengths are in m, the retraction is in rad.
+    The result is the angle A of Zhang (2020), fig. 2.3. Lengths are in m, the retraction is in rad.
 
     >>> print(f"{np.degrees(tip_lag(1.0, 1.0, np.pi / 2.0)):.6f}")  # an isosceles right triangle
     45.000000
@@ -129,7 +129,7 @@ def centrifugal_stiffness(
 ) -> Number:
     """Return the stiffness that the hub's rotation adds to the belt's at small angles, N m/rad.
 
-    It is the centrifugal stiffness g = m r_h (L/2) omega^2, with the bristle's mass m, the hub's
+    This centrifugal stiffness is g = m r_h (L/2) omega^2, with the bristle's mass m, the hub's
     radius r_h, the wire's length L and the hub's speed omega, in SI units.
 
     >>> print(f"{centrifugal_stiffness(2.0, 3.0, 4.0, 5.0):.6f}")  # 2 x 3 x 2 x 25
@@ -170,7 +170,7 @@ def stiffened_cue_time(
     where sinc x = sin x/x, since cos alpha - cos theta_p = 2 sin((theta_p + alpha)/2) sin((theta_p
     - alpha)/2).
 
-    Without centrifugal stiffness it is a quarter of the period, (pi/2) sqrt(I/k):
+    Without centrifugal stiffness the time is a quarter of the period, (pi/2) sqrt(I/k):
 
     >>> print(f"{stiffened_cue_time(0.5, 4.0, 0.0, 1.0):.6f}")
     0.785398
@@ -204,8 +204,8 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
     """Return the highest relative angular velocity of a bristle on a damped belt, rad/s.
 
-    It equals theta_p Omega e^(-zeta f(zeta)), with the retraction theta_p at release (rad), the
-    natural frequency Omega (rad/s), the damping ratio zeta, and f of ``damped_cue_time``.
+    The velocity is theta_p Omega e^(-zeta f(zeta)), with the retraction theta_p at release (rad),
+    the natural frequency Omega (rad/s), the damping ratio zeta and f of ``damped_cue_time``.
 
     >>> print(f"{damped_highest_speed(0.5, 2.0, 0.0):.6f} {damped_highest_speed(0.5, 2.0, 1.0):.6f}")  # times 1/e when critical
     1.000000 0.367879
@@ -289,7 +289,7 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the bar's position by the dissertation's formulas, and the bristle's motion.
 
     The formulas include the belt's damping and neglect the centrifugal stiffness. ``retraction`` is
-    that at the release, rad.
+    measured at the release, rad.
     """
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     damping = tool.belt.damping_ratio
@@ -301,7 +301,7 @@ def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the cue of a bristle with centrifugal stiffness: the bar's position and the swing.
 
     The swing is the motion from the release to the radial direction. The belt's damping is
-    neglected; without damping the result is exact. ``retraction`` is that at the release, rad.
+    neglected; without damping the result is exact. ``retraction`` is measured at the release, rad.
     """
     inertia = tool.bristle.inertia_about_root
     swing = (retraction, tool.belt.stiffness, field_stiffness(tool), inertia)

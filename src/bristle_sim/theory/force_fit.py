@@ -228,13 +228,13 @@ def _fitted(time: Array, force: Array, pulse: _Pulse) -> ForceFit | None:
     units, first = np.transpose([*guesses.values()])
 
     def model(unknowns: Array) -> tuple[ForceCurve, float, float]:
-        """Return the curve, its start (s) and the baseline (N) for scaled unknowns."""
+        """Return curve, start (s) and baseline (N) for unknowns divided by their ``units``."""
         amplitude, decay, span, begins, *level = (units * unknowns).tolist()
         curve = ForceCurve.of_impact(amplitude, decay, scale, abs(span))
         return curve, begins, level[0] if based else 0.0
 
     def forces(since: Array, *unknowns: float) -> Array:
-        """Return the model's force (N) at times from the pulse's start, in pulse durations."""
+        """Return the model's force (N) at times since the pulse's start, in pulse durations."""
         curve, begins, level = model(np.array(unknowns))
         return np.asarray(curve(np.clip(length * since - begins, 0.0, curve.duration))) + level
 

@@ -74,7 +74,8 @@ class Contact:
     def steep(self) -> float:
         """Square root of the ratio of the present normal stiffness to that in loading.
 
-        It is 1 in loading and 1/e* in unloading, with the energetic coefficient of restitution e*.
+        The value is 1 in loading and 1/e* in unloading, with the energetic coefficient of
+        restitution e*.
         """
         return 1.0 if self.loading else 1.0 / self.restitution
 
@@ -113,8 +114,8 @@ class Contact:
     def begun_slip(self) -> float:
         """Return the sense in which the tangential spring's foot begins to slide, or 0 for stick.
 
-        The foot slides if the spring's force is at the friction limit and would exceed it. Without
-        friction the foot always slides.
+        The foot slides if the spring's force is at the friction limit and would exceed this limit.
+        Without friction the foot always slides.
         """
         smooth = self.friction == 0.0
         side = -math.copysign(1.0, self.rub)

@@ -151,8 +151,8 @@ def specific_cutting_energy(
 ) -> Number:
     """Return the specific cutting energy, the cutting force divided by the chip's area, J/m^3.
 
-    It is u = F_c/(b d_u), with the cutting force F_c, the width b and the uncut depth d_u of the
-    chip.
+    The specific cutting energy is u = F_c/(b d_u), with the cutting force F_c, the width b and the
+    uncut depth d_u of the chip.
 
     Args:
         friction: ratio mu > 0 of tangential to normal force on the workpart.

@@ -157,8 +157,8 @@ def monofilament_impact(
 def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
     """Return the speed of a radial bristle's tip before the impact, m/s (Zhang 2020, eq. 2.24).
 
-    It is v_C = (R L + r_h) omega, with the angular velocity omega of the hub, the ratio R of the
-    bristle's angular velocity to omega, the length L and the hub's radius r_h. The dissertation
+    The speed is v_C = (R L + r_h) omega, with the angular velocity omega of the hub, the ratio R of
+    the bristle's angular velocity to omega, the length L and the hub's radius r_h. The dissertation
     writes kappa omega L (2.33).
 
     In the dissertation R = 3.23, L = 27 mm and r_h = 27.5 mm, so that R L + r_h = 114.71 mm:
@@ -170,10 +170,10 @@ def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio
 
 
 def stiction_friction(impact_angle: Number) -> Number:
-    """Return the least coefficient of friction at which no impulse parts the tip from the workpart.
+    """Return the least coefficient of friction at which the tip cannot leave the workpart.
 
-    It is a coefficient of friction in restitution, and equals tan gamma with the impact angle gamma
-    (rad) (Zhang 2020, eq. 2.51).
+    At this or a larger coefficient of friction in restitution no impulse lifts the tip. The least
+    coefficient is tan gamma, with the impact angle gamma in rad (Zhang 2020, eq. 2.51).
 
     >>> import math
     >>> print(f"{stiction_friction(math.pi / 4.0):.6f}")
@@ -188,8 +188,8 @@ def normal_compressive_impulse(
 ) -> Number:
     """Return the normal impulse of compression in a strike, N s (Zhang 2020, eq. 2.37).
 
-    It is m v_C/(3 s_1) with s_1 = sin(gamma) + mu cos(gamma), the bristle's mass m (kg), the speed
-    v_C of its tip (m/s), the impact angle gamma (rad) and the coefficient of friction mu.
+    The impulse is m v_C/(3 s_1), with s_1 = sin(gamma) + mu cos(gamma), the bristle's mass m (kg),
+    the speed v_C of its tip (m/s), the impact angle gamma (rad) and the coefficient of friction mu.
 
     With sin(gamma) = 3/5, cos(gamma) = 4/5 and mu = 1/2, s_1 is 1:
 

@@ -47,8 +47,8 @@ def roughness_profiles(heights: Array, cell: float, cutoff: float) -> Array:
     """Return the roughness profiles: the heights minus their Gaussian mean line, m.
 
     The filter of ISO 16610-21 multiplies a wave of length lambda by 1 - exp(-pi (alpha
-    cutoff/lambda)^2), alpha = 0.4697. It acts in the frequency domain, so that there are no end
-    effects.
+    cutoff/lambda)^2), alpha = 0.4697. The filter acts in the frequency domain, so that there are no
+    end effects.
 
     Args:
         heights: heights of periodic profiles along the last axis, m.

@@ -32,8 +32,8 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
         mu_bar = |sin 2 theta_1 + (n + 3) sin 2 theta_2 - 3 c sin(theta_1 + theta_2)|
                  / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
 
-    For n = 1 this is eq. 2.90 of Zhang (2020). For theta_1 = theta_2 = theta it is tan theta for
-    every n (2.111). Arrays broadcast.
+    For n = 1 this is eq. 2.90 of Zhang (2020). For theta_1 = theta_2 = theta the coefficient is tan
+    theta for every n (2.111). Arrays broadcast.
 
     The dissertation's identical rods at 20 and 30 deg:
 
@@ -200,8 +200,8 @@ def until_zero(speed: float, gain: float) -> float:
 def until_work(speed: float, gain: float, work: float) -> float:
     """Return the additional normal impulse that does a given normal work, N s.
 
-    It is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip (``speed``,
-    m/s), its change v' per unit normal impulse (``gain``, 1/kg), and the work W (J).
+    The impulse is the root p of v p + v' p^2/2 = W (2.83), with the normal velocity v of the tip
+    (``speed``, m/s), its change v' per unit normal impulse (``gain``, 1/kg), and the work W (J).
     """
     if gain <= 0.0:
         return math.inf

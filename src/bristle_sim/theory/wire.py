@@ -48,8 +48,8 @@ def second_moment_of_area(diameter: float) -> float:
 def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) -> float:
     """Return the stiffness of the torsion spring between two rigid links of a wire, N m/rad.
 
-    It is E I_a/l, with Young's modulus E, the second moment of area I_a, and the length l of a
-    link. l is the wire's length divided by the number of links.
+    The stiffness is E I_a/l, with Young's modulus E, the second moment of area I_a, and the length
+    l of a link. l is the wire's length divided by the number of links.
 
     A wire of 2 m diameter, 4 m length and 1 Pa has E I_a = pi/4 N m^2; its two links are 2 m long:
 
@@ -70,7 +70,7 @@ def hinge_damping(
 ) -> float:
     """Return the constant of the torsional damper between two rigid links of a wire, N m s/rad.
 
-    It is 2 zeta k_w/omega_1, where k_w is the stiffness of ``hinge_stiffness``. zeta
+    The constant is 2 zeta k_w/omega_1, where k_w is the stiffness of ``hinge_stiffness``. zeta
     (``damping_ratio``) is the damping ratio of the beam's first bending mode, and omega_1 the
     angular frequency of this mode. A mode of angular frequency omega then has the damping ratio
     zeta omega/omega_1. A wire without bending stiffness has no damping. The other arguments are

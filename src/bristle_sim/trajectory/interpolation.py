@@ -161,8 +161,8 @@ class Interpolation:
     def _on_side(self, instants: Array, side: str) -> Array:
         """Return the instants (s) at which the motion is evaluated for a side of a jump.
 
-        For the side ``after`` they are the given instants. For the side ``before`` each is replaced
-        by the next smaller floating-point number.
+        For the side ``after`` the given instants are returned. For the side ``before`` each instant
+        is replaced by the next smaller floating-point number.
         """
         if side == "after":
             return instants
@@ -225,10 +225,10 @@ def _hermite(time: Array, states: Array, own: NDArray[np.intp], instants: Array)
 def _window(time: Array, piece: tuple[int, int], low: int) -> list[int]:
     """Return the indices of the samples through which the polynomial of an interval passes.
 
-    They are the interval's two ends and samples beside it, at most ``MOST_SAMPLES`` in all and at
-    most ``MOST_ON_ONE_SIDE`` beyond either end. All lie in ``piece``. The distance of a sample from
-    the next chosen one is between ``SHORTEST_DISTANCE`` and ``LONGEST_DISTANCE``, in lengths of the
-    interval.
+    The samples are the interval's two ends and samples beside the interval, at most
+    ``MOST_SAMPLES`` in all and at most ``MOST_ON_ONE_SIDE`` beyond either end. All lie in
+    ``piece``. The distance of a sample from the next chosen one is between ``SHORTEST_DISTANCE``
+    and ``LONGEST_DISTANCE``, in lengths of the interval.
 
     Args:
         time: times of all samples, s.

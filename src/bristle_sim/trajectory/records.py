@@ -120,7 +120,7 @@ class Motion(WireMotion):
     def retraction(self) -> Array:
         """Angle by which the first link lags behind the radial direction, rad.
 
-        It is ``relative_angle`` with the opposite sign.
+        The retraction is ``relative_angle`` with the opposite sign.
         """
         return np.asarray(self.hub_angle - self.angles[..., 0])
 
@@ -133,7 +133,7 @@ class Motion(WireMotion):
     def total_energy(self) -> Array:
         """Kinetic plus potential energy, J.
 
-        It is not constant, since the hub's drive does work on the bristle.
+        This energy is not constant, since the hub's drive does work on the bristle.
         """
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
@@ -258,7 +258,7 @@ class ContactRecord:
     def work(self) -> tuple[float, float] | None:
         """Work of the impulse on the wire, (normal, tangential), J.
 
-        It is None if the law has no phases.
+        The result is None if the law has no phases.
         """
         if self.compressive_work is None or self.restitutive_work is None:
             return self.compressive_work
