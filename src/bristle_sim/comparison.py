@@ -66,8 +66,8 @@ class Quantity:
     def relative_difference(self) -> float | None:
         """Simulated minus compared value, divided by the magnitude of the compared value.
 
-        The compared value is that of :attr:`judge`. The result is None if one of the two values is
-        missing, or if the compared value is 0.
+        The compared value is the number in :attr:`judge`. The result is None if one of the two
+        values is missing, or if the compared value is 0.
         """
         judge = self.judge
         if self.simulated is None or judge is None or not judge[1]:
@@ -281,7 +281,7 @@ value counts as zero."""
 
 
 def most_different(quantities: Iterable[Quantity], side: str, word: str) -> str:
-    """Return a text on the quantity whose simulated value differs most from that of one source.
+    """Return a text on the quantity whose simulated value differs most from the value of a source.
 
     Differences are relative. The text gives both values, as in ``x 3 N, printed 4 N``; it is empty
     if no quantity has both values. A value of the source counts as missing if its magnitude is at

@@ -12,7 +12,8 @@ MAXIMUM_STEPS = 500_000
 """Default of the largest number of engine steps of a simulation.
 
 This number suffices for sixty whole passes of a rigid bristle, or for one pass of a wire of 8
-links. It takes 2 to 6 s of CPU time for a rigid bristle, and 12 to 20 s for a wire of links."""
+links. So many steps take 2 to 6 s of CPU time for a rigid bristle, 12 to 20 s for a wire of
+links."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,7 +53,7 @@ DISPLAY_OF_KEY = {
     "rate_2": ("rad/s", 1.0),
 }
 """Customary unit and its size in the declared unit, as in ``DISPLAY``, for the keys of parameters
-whose customary unit differs from that in ``DISPLAY``."""
+whose customary unit is not the unit in ``DISPLAY``."""
 
 
 def display_unit(key: str, unit: str) -> tuple[str, float]:

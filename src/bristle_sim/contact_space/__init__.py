@@ -4,7 +4,7 @@ Apart from NumPy, SciPy and pymunk, the package needs only the impact law; it do
 model of the bristle tool. Its modules in reading order:
 
 - ``joints``: velocity constraints J V = b of pymunk's joints.
-- ``projection``: the projection of velocities onto the closest ones that obey the joints.
+- ``projection``: the projection of velocities onto the closest velocities that obey the joints.
 - ``impulse``: the inverse mass matrix at a contact, and the change of all velocities by an impulse.
 - ``collision_rule``: two collision types with their coefficients and law; the record of an impact.
 - ``touching``: the motion of bodies in the engine's last step, and the contact points at the

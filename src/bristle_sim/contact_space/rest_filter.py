@@ -1,8 +1,8 @@
 """The division of a step's contacts into impacts and contacts at rest.
 
-The engine resolves the contacts at rest. It ignores the impacts, which an impact law resolves.
-Contacts are read by direct calls of the engine, without pymunk's wrappers, for speed: a space at
-rest has many contacts.
+The engine resolves the contacts at rest. An impact law resolves the impacts, which the engine
+ignores. Contacts are read by direct calls of the engine, without pymunk's wrappers, for speed: a
+space at rest has many contacts.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class RestFilter:
     Attributes:
         space: the space.
         resting_speed: the user's bound on the approach speed of a contact at rest.
-        resting: bound on the approach speed of a contact at rest in this step. It also takes
+        resting: bound on the approach speed of a contact at rest in this step. The bound also takes
             account of gravity, and is negative until the step's first contact.
         at_rest: contacts at rest of this step, which the engine resolves.
         impacts: impacts of this step, which the engine ignores.

@@ -323,7 +323,7 @@ class TouchingPoint:
     def _look(self) -> Overlap | None:
         """Return the overlap of the two shapes in their present positions; None if they are apart.
 
-        Of several overlaps, the one closest to the previous contact point is returned.
+        Of several overlaps, the overlap closest to the previous contact point is returned.
         """
         first, second = self.shapes
         first.cache_bb()

@@ -53,8 +53,8 @@ class ForceHistory(Declared):
     """Settings of the simulated contact whose force is compared with a given force curve.
 
     If ``speed_ratio`` is None, the simulated impulse up to the end of compression is made equal to
-    that of the curve. If ``compression_time`` is None, it is the time from the curve's start to its
-    peak.
+    the impulse of the curve. If ``compression_time`` is None, the time from the curve's start to
+    its peak is used.
     """
 
     speed_ratio: float | None = quantity(

@@ -80,7 +80,7 @@ def mass_of_volume(length: Number, diameter: Number, density: Number) -> Number:
     """Return the mass of a wire (kg) from its length (m), diameter (m) and density (kg/m^3).
 
     The mass printed in the dissertation is scaled by the ratios of these values to the printed
-    ones. A wire with the printed values therefore has exactly the printed mass.
+    values. A wire with the printed values therefore has exactly the printed mass.
     """
     section = (diameter / PRINTED_DIAMETER) ** 2
     return PRINTED_MASS * section * (length / PRINTED_LENGTH) * (density / PRINTED_DENSITY)
@@ -255,7 +255,7 @@ class Bar(Declared):
         return (-self.horizontal, -self.vertical)
 
     def closest(self, lines: Any) -> Any:
-        """Return the point of each straight segment that is closest to the bar.
+        """Return, for each straight segment, its point closest to the bar.
 
         ``lines`` holds the corners of centre lines as complex numbers x + i y from the hub's centre
         (m), shape (..., corners). The points have the shape (..., corners - 1).

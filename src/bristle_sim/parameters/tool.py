@@ -158,8 +158,7 @@ class Tool(Declared):
         rotates. The bar's radius is r_b and the wire's diameter d. The bar touches a straight
         segment of the wire, of direction e^{i eta} and at the distance h from the hub's centre, if
         S sin(phi - eta) = h + r_b + d/2. The bar touches a corner of the wire at rho e^{i theta} if
-        S^2 + rho^2 - 2 S rho cos(phi - theta) = (r_b + d/2)^2. The first touch is the one with the
-        largest phi.
+        S^2 + rho^2 - 2 S rho cos(phi - theta) = (r_b + d/2)^2. The first touch has the largest phi.
         """
         if self.start_hub_angle_deg is not None:
             return math.radians(self.start_hub_angle_deg)

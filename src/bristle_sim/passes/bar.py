@@ -142,9 +142,9 @@ class Lying(NamedTuple):
         angle, rate, acceleration: wire's angle alpha from the radial direction (rad), and its first
             and second derivatives with respect to the hub angle.
         pressure: moment of the contact force about the root, divided by the wire's moment of
-            inertia; positive if the wire presses on the bar. It equals the angular acceleration
-            towards the bar that the wire would have without the bar, minus its actual angular
-            acceleration.
+            inertia; positive if the wire presses on the bar. The quotient equals the angular
+            acceleration towards the bar that the wire would have without the bar, minus the actual
+            one.
     """
 
     angle: Array

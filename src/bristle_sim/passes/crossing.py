@@ -45,8 +45,9 @@ def root(
 
     Args:
         function: function whose roots are sought. Its first argument holds one place in each of
-            several brackets, its second argument the indices of these brackets. It returns its
-            values at the places, and its derivatives there, or None if they are unknown.
+            several brackets, its second argument the indices of these brackets. The function
+            returns its values at the places, and its derivatives there, or None if the derivatives
+            are unknown.
         ends: lower and upper ends of the brackets.
         high_value: values of the function at the upper ends. The values at the lower ends must have
             the opposite sign.

@@ -54,8 +54,9 @@ has just left the bar may touch it again at once."""
 ONE_THREAD = 1024  # most columns of a matrix product; beyond, threads would wait for each other
 
 Function = Callable[[Array, Chosen], Any]
-"""Function of the hub's rotation (rad) and the indices of some passes. It returns values of these
-passes, such as angles or gaps, and then their derivatives, or None if the latter are unknown."""
+"""Function of the hub's rotation (rad) and the indices of some passes. The function returns values
+of these passes, such as angles or gaps, and then their derivatives, or None if the derivatives are
+unknown."""
 
 Vector = NDArray[np.complex128]  # array of vectors in the plane, as complex numbers
 

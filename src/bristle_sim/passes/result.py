@@ -66,11 +66,12 @@ class Ensemble(EqualByValue):
         tangential_compressive_work: work of the tangential force up to the end of compression, J.
         entry_angle_at_contact: angle between the surface and the tip's path at the strike, rad.
         final_bristle_rate: absolute angular velocity of the wire after the strike, rad/s.
-        error_estimate: estimated error at the strike, dimensionless. It holds for the wire's angle
-            (rad), and for the relative angular velocity divided by omega + sqrt(k_T/I), with the
-            hub's speed omega, the belt's stiffness k_T and the wire's moment of inertia I about the
-            root. It includes the factor by which the impact magnifies an error. It is 1 if an error
-            as small as the accuracy could change the number of touches or the outcome.
+        error_estimate: estimated error at the strike, dimensionless. The estimate holds for the
+            wire's angle (rad), and for the relative angular velocity divided by omega +
+            sqrt(k_T/I), with the hub's speed omega, the belt's stiffness k_T and the wire's moment
+            of inertia I about the root. The estimate includes the factor by which the impact
+            magnifies an error. It is 1 if an error as small as the accuracy could change the number
+            of touches or the outcome.
         outcome: ``rebounds``, ``reverses its slip``, ``sticks and rebounds``, ``stays``, ``jams``,
             ``does not strike`` or ``refused``.
         reason: why a pass was refused, or why it has no strike, no release or no valid error

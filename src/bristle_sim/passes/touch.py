@@ -75,9 +75,9 @@ def touch_bar(passes: Passes, accuracy: float) -> Chosen:
 def comes_to_rest(passes: Passes, at_end: Chosen, pressure: Array, lasting: Array) -> Chosen:
     """Return whether each wire's rebounds die out while the wire is still pressed onto the bar.
 
-    Such a wire is then treated as if it had never rebounded. The rotation ``lasting`` must be less
-    than 1 rad. After this rotation a wire that lies on the bar must touch it with the same part,
-    flank or end, and the pressure must have changed by less than a factor of two.
+    A wire whose rebounds die out is treated as if it had never rebounded. The rotation ``lasting``
+    must be less than 1 rad. After this rotation a wire that lies on the bar must touch it with the
+    same part, flank or end, and the pressure must have changed by less than a factor of two.
 
     Args:
         passes: passes of the wires.
@@ -101,12 +101,12 @@ def lie(passes: Passes, accuracy: float) -> Chosen:
     """Advance wires that lie on the bar until the contact ends, or the bar touches another part of
     the wire.
 
-    The pressure between wire and bar is computed at the ends of the contact's segments. It is
-    assumed to be positive within a segment if it is positive at both ends.
+    The pressure between wire and bar is computed at the ends of the contact's segments. Where the
+    pressure is positive at both ends of a segment, it is assumed to be positive between them.
 
     Returns:
-        The code of each pass's state after the advance. It is ``LIES`` if the wire still lies on the
-        bar, with another part.
+        The code of each pass's state after the advance. The code is ``LIES`` if another part of the
+        wire now lies on the bar.
     """
     columns = np.arange(passes.size)
     chi = half_turn(passes.hub_angle - passes.bar_angle)

@@ -72,8 +72,8 @@ class Placer:
     """Sets and reads the positions and velocities of bodies, by one engine call for each body.
 
     Attributes:
-        values: six numbers for each body, as last set or read. They are x and y of the mass centre,
-            the angle, the velocity of the mass centre along x and y, and the angular velocity.
+        values: six numbers for each body, as last set or read: x and y of the mass centre, the
+            angle, the velocity of the mass centre along x and y, and the angular velocity.
     """
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
@@ -296,7 +296,7 @@ class Scene:
     def recover(self) -> None:
         """Remove numbers that are not finite from the engine after an overflow.
 
-        The joints are replaced by new ones, which have no stored impulses from which a step would
+        The joints are replaced by new joints, which have no stored impulses from which a step would
         start. The bodies are placed, which makes their rotations finite. Their positions become
         finite only when they are placed a second time. The first time, the engine adds zero times
         the old rotation to a position, and this product is NaN if the rotation is not finite.

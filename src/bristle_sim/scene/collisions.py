@@ -154,7 +154,7 @@ def _least_opening_rate(system: System, pair: ContactPair) -> float:
 
     Returns:
         The least opening rate of ``pair`` with any other closed pair, an angular velocity in engine
-        units. It is infinite if no other closed pair has a lever of the opposite sign.
+        units. The rate is infinite if no other closed pair has a lever of the opposite sign.
     """
     touch = system.closest(pair)
     lever = cross(touch.arm, touch.normal)

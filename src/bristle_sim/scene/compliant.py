@@ -47,10 +47,10 @@ LEAST_DEPTH = 1e-13
 
 SAMPLES_OF_A_COURSE = 24
 """Least number of samples of a contact's force history, which are joined by straight lines in a
-drawing. They are taken at the end and in the middle of each interval. With e* = 0.42 seven of the
-24 lie in restitution. The straight lines then differ from the force, a quarter of a sine wave, by
-(pi/14)^2/8 = 0.6 % of the peak. With half as many samples the difference is 2.5 %, and the drawing
-looks like a polygon."""
+drawing. Samples are taken at the end and in the middle of each interval. With e* = 0.42 seven of
+the 24 lie in restitution. The straight lines then differ from the force, a quarter of a sine wave,
+by (pi/14)^2/8 = 0.6 % of the peak. With half as many samples the difference is 2.5 %, and the
+drawing looks like a polygon."""
 
 SAMPLES_OF_A_SWING = 5
 """Least number of intervals in half a period of the tangential spring's oscillation."""

@@ -63,8 +63,7 @@ NUMBERS = len(Sums._fields)
 
 
 def sums_of(totals: Sequence[float], index: int) -> Sums:
-    """Return the values of the contact with a given index from the flat list of all contacts'
-    values."""
+    """Return one contact's forces, impulses and work from the list ``totals`` of all contacts."""
     return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
 
 
@@ -207,8 +206,8 @@ class RigidContacts:
     def totals(self, step: float, *, symmetric: bool = False) -> list[float]:
         """Return the forces, impulses and work of all contacts in one list, ordered as in ``Sums``.
 
-        The normal force is that of the last step. If a contact would have had to pull in some of
-        the steps, its normal force is that of the last step in which it would have had to pull.
+        The normal force is that in the last step. If a contact would have had to pull in some of
+        the steps, its normal force is that in the last of these steps.
 
         Args:
             step: length of a step.
@@ -272,10 +271,10 @@ class RigidContacts:
     def prescribes_slip(self, contact: ClosedPair) -> bool:
         """Return whether the geometry alone determines the slip velocity of a contact.
 
-        It does so if the links from the wire's root to the contact are subject to at least as many
-        conditions as there are such links. A closed gap is one condition, and stick of another
-        contact is a further one. A contact with this property cannot stick while the hub moves it
-        along its obstacle, however small the tangential force is.
+        The geometry does so if the links from the wire's root to the contact are subject to at
+        least as many conditions as there are such links. A closed gap is one condition, and stick
+        of another contact is a further one. A contact with this property cannot stick while the hub
+        moves it along its obstacle, however small the tangential force is.
         """
         if contact.pair.partner is not None:
             return False
@@ -301,7 +300,7 @@ class RigidContacts:
         Args:
             state: the state at the touch.
             contact: the contact, which must be closed already.
-            error: error of a velocity, in scene units.
+            error: possible error of the slip velocity, in scene units.
         """
         prescribed = self.prescribes_slip(contact)
         poses = self.scene.mechanism.poses(state)

@@ -57,8 +57,9 @@ LEAST_GAIN = 0.1
 SpringForce = Callable[[float], tuple[Callable[[], None], Callable[[], list[float]]]]
 """Function that begins the force of a contact with a spring, for steps of a given length.
 
-It returns two functions. The first is called before each step, and applies the force. The second is
-called after the last step, and returns the values of :class:`bristle_sim.scene.contact.Sums`."""
+This function returns two functions. The first is called before each step, and applies the force.
+The second is called after the last step, and returns the values of
+:class:`bristle_sim.scene.contact.Sums`."""
 
 
 class IntervalResult(NamedTuple):
@@ -127,7 +128,7 @@ class Repetitions:
         """Return the values at zero step length.
 
         The error of symmetric steps is a polynomial in h^2 for the motion and for the sums of
-        impulse and work. For accelerations and forces, which are those of the last steps, it is a
+        impulse and work. Accelerations and forces are those of the last steps, and their error is a
         polynomial in h.
 
         Args:
@@ -337,9 +338,9 @@ class Extrapolation:
 def damped_interval(scene: Scene) -> float:
     """Return the longest interval in which the engine's steps resolve the damping.
 
-    It is infinite without damping, and otherwise ``MOST_DAMPING`` time constants of damping. The
-    time constant is that of links without joints, because the engine damps the links before the
-    joints correct their velocities.
+    The interval is infinite without damping, and otherwise ``MOST_DAMPING`` time constants of
+    damping. The time constant is that of links without joints, because the engine damps the links
+    before the joints correct their velocities.
     """
     links = scene.mechanism.links[: scene.mechanism.wire_links]
     damping = scene.effects.hinge[1]

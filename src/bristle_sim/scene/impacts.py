@@ -1,6 +1,6 @@
 """Impact laws, and the response of a contact point to an impulse.
 
-An instantaneous law takes a scene, a state and a pair of link and obstacle. It returns the state
+An instantaneous law takes a scene, a state and a pair of link and obstacle, and returns the state
 after the impact and the contact record. A law that simulates the contact over its duration
 (:mod:`bristle_sim.scene.compliant`) returns a spring instead, which acts in the simulation's loop.
 
@@ -73,8 +73,9 @@ def contact_at(mechanism: Mechanism, state: State, pair: ContactPair) -> Contact
 
     With the mass matrix M = L L^T and the Jacobian J of the contact point's velocity (rows: normal,
     tangent), K = J M^-1 J^T. The motion in stick is the component of the first column of L^-1 J^T
-    that is orthogonal to the second column. It is found by a QR factorization with the largest rows
-    first, which keeps the digits of the small rows of heavy links (Cox and Higham 1998).
+    that is orthogonal to the second column. This component is found by a QR factorization with the
+    largest rows first, which keeps the digits of the small rows of heavy links (Cox and Higham
+    1998).
     """
     touch = pair.closest(mechanism.poses(state), state.rates)
     if mechanism.single_link:
@@ -216,8 +217,8 @@ def impact_at(
 def ending_together(point: ContactPoint, accuracy: float) -> tuple[ContactPoint, Vector]:
     """Return a contact point and its velocity, corrected so that slip and approach end together.
 
-    The returned velocity is the (normal, tangential) velocity before the impact. It is corrected
-    only for two kinds of contact point, and by no more than its error.
+    The returned velocity is the (normal, tangential) velocity before the impact. The velocity is
+    corrected only for two kinds of contact point, and by no more than its error.
 
     The first kind has one degree of freedom and can move in one direction only: v_t/v_n =
     K_nt/K_nn, with its slip velocity v_t, its normal velocity v_n and the contact-space inverse
@@ -248,7 +249,7 @@ class EngineLaw(ContactLaw):
     The engine solves iteratively for the impulses. A shape's ``elasticity`` in the engine is
     Newton's coefficient of restitution. The tangential impulse is at most the coefficient of
     friction times the normal impulse. The law has no phases and only one coefficient of friction.
-    It may increase the energy of bodies that are joined in a chain.
+    The law may increase the energy of bodies that are joined in a chain.
     """
 
     name = "engine"

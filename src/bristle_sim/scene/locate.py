@@ -313,7 +313,7 @@ def locate(
 
     Args:
         value: the function.
-        motion: the motion, on which the function depends, at a time.
+        motion: function that returns the motion at a time, which is the argument of ``value``.
         left, right: the earlier and the later time.
         at_left, at_right: values of the function at these times.
         tolerance: largest magnitude of the function that counts as zero.

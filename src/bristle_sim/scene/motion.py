@@ -26,8 +26,8 @@ once in it, and the cubic polynomial through the states at its ends has an error
 the motion's amplitude."""
 
 BEYOND_RELEASE = 1.02
-"""Ratio of the next interval's length to the time until an expected release. It exceeds 1, so that
-the release lies within the interval."""
+"""Ratio of the next interval's length to the time until an expected release. The ratio exceeds 1,
+so that the release lies within the interval."""
 
 CORNERS = (Kind.KINK, Kind.HAND_OVER)  # kinds of events at which the motion of a wire has a kink
 BEYOND_CORNER = 1.001
@@ -52,8 +52,8 @@ the interval. The motion at these instants follows from geometry alone, without 
 
 QUINTIC_RATE_ERROR = 2.4e-5
 """Error of the angular velocity of the quintic polynomial through an interval's ends and middle,
-divided by the fifth power of the interval's length in radians of the fastest motion. It is
-0.0174/6!, where 0.0174 is the largest slope of (s (s - 1/2) (s - 1))^2."""
+divided by the fifth power of the interval's length in radians of the fastest motion. The quotient
+is 0.0174/6!, where 0.0174 is the largest slope of (s (s - 1/2) (s - 1))^2."""
 
 
 @dataclass(slots=True, eq=False)
@@ -65,8 +65,8 @@ class Motion:
         separating: pairs that have been released but whose gaps are still closed.
         rigid: forces of the rigid contacts; None without rigid contacts.
         forces: forces of the contacts with springs.
-        limit: upper bound of the next interval's length, in engine time units. It is small at the
-            beginning of a contact, which may end at once.
+        limit: upper bound of the next interval's length, in engine time units. The bound is small
+            at the beginning of a contact, which may end at once.
         release_in: length at which the next interval is expected to contain the release of a rigid
             contact; infinite if no release is expected.
         before: result at the end of the last interval; None in the first interval.
@@ -198,7 +198,7 @@ def integrate(system: System, motion: Motion) -> tuple[Interval | None, Happenin
 def _lost(
     system: System, motion: Motion, result: IntervalResult, length: float, slipping: int | None
 ) -> Happening | None:
-    """Return the event that ends a rigid contact or its stick; None in too long an interval.
+    """Return the event that ends a rigid contact or its stick; None if the interval is too long.
 
     A contact that would have to pull is released. A sticking contact whose tangential force exceeds
     the friction limit begins to slip. If both occur, the contact begins to slip and no contact is

@@ -152,7 +152,8 @@ def begin_motion(system: System, given: Motion) -> Motion:
     """Close the gaps of rigid contacts exactly; return a new motion with the contacts of ``given``.
 
     A contact that no force can keep closed is released if it opens without force. Otherwise the run
-    stops. It also stops if every wire has had the event ``stop_after`` and no contact has a spring.
+    stops. The run also stops if every wire has had the event ``stop_after`` and no contact has a
+    spring.
     """
     springs = given.springs
     if not (system.waiting or springs):
@@ -300,8 +301,8 @@ def _after_spring_event(
 def _add_limit_error(system: System, spring: SpringContact) -> None:
     """Add the difference between a contact with a spring and the impact law to the run's error.
 
-    It is the largest difference of a link's angular velocity after the contact. The difference is
-    added only where the impact law predicts how the contact ends.
+    For each link the angular velocities after the contact are compared; the largest difference
+    counts. The difference is added only where the impact law predicts how the contact ends.
     """
     if system.follows_law:
         law = system.law_of(spring.pair)

@@ -166,9 +166,9 @@ def prepare(
 
     Args:
         tool, settings, stop_after: as for ``simulate``.
-        begin: three numbers: the hub angle at the start (rad), or None for that of the tool; the
-            angle (rad) of every wire relative to its root; the angular velocity (rad/s) of every
-            wire relative to its root.
+        begin: three numbers: the hub angle at the start (rad), or None for the tool's own start;
+            the angle (rad) of every wire relative to its root; the angular velocity (rad/s) of
+            every wire relative to its root.
         row: number, pitch and contact parameters of the bristles.
 
     Returns:

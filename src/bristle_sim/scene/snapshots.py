@@ -60,8 +60,8 @@ class Snapshot:
         angles: absolute angle of each link, rad.
         rates: absolute angular velocity of each link, rad/s.
         contacts: the active contacts with their forces.
-        event: kind of the event that ended the interval, in words. It is empty if no event ended
-            the interval, and in the second snapshot after an event.
+        event: kind of the event that ended the interval, in words. The text is empty if no event
+            ended the interval, and in the second snapshot after an event.
         events: names of the events that the trajectory has recorded since the previous snapshot.
         impacts: records of impacts, and of contacts that ended, since the previous snapshot.
         stop_reason: reason why the run stops here; None if it continues.

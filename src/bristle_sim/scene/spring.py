@@ -82,8 +82,8 @@ class SpringContact(ActiveContact):
         predicted: outcome that the impact law predicts.
         stepper: integrator of the contact.
         surface: gap at the first touch. The penetration is this gap minus the present gap.
-        inverse_mass: contact-space inverse mass matrix K, row by row. It is that at the first touch
-            until ``follow_bodies`` updates it.
+        inverse_mass: contact-space inverse mass matrix K, row by row. The matrix at the first touch
+            is kept until ``follow_bodies`` updates it.
         slip: sense of slip, 1 or -1; 0 in stick.
         at_rest: whether the phase is "slip at rest": the contact point slips at its greatest depth,
             with zero normal velocity. The friction force is between the friction of compression and
@@ -141,8 +141,8 @@ class SpringContact(ActiveContact):
     def phase_names(self, *, jams: bool) -> tuple[str, ...]:
         """Return the names of the phases in order, without those that are too short.
 
-        A phase is too short if its normal impulse is below the fraction ``LEAST_PHASE`` of that of
-        the contact. If the contact jams, its last phase is always named.
+        A phase is too short if its normal impulse is below the fraction ``LEAST_PHASE`` of the
+        contact's normal impulse. If the contact jams, its last phase is always named.
         """
         ends = [*(phase.impulse for phase in self.phases[1:]), self.impulse[0]]
         names: list[str] = []
@@ -282,11 +282,11 @@ def _spring_force(scene: Scene, spring: SpringContact) -> SpringForce:
     """Return the function that begins the force of a contact in its present phase.
 
     In stick without a tangential spring, the tangential force in a step of length h cancels the
-    slip velocity v_t of the previous step. It is -(K_nt N + v_t/h)/K_tt, with the normal force N
-    and the contact-space inverse mass matrix K. In slip at rest it cancels the normal velocity v_n
-    instead, and is -(K_nn N + v_n/h)/K_nt. The force in the second step stands for the force at the
-    interval's beginning. The force that a further step would have stands for the force at its end.
-    The errors of both are power series in h, so extrapolation removes them.
+    slip velocity v_t of the previous step. This force is -(K_nt N + v_t/h)/K_tt, with the normal
+    force N and the contact-space inverse mass matrix K. In slip at rest it cancels the normal
+    velocity v_n instead, and is -(K_nn N + v_n/h)/K_nt. The force in the second step stands for the
+    force at the interval's beginning. The force that a further step would have stands for the force
+    at its end. The errors of both are power series in h, so extrapolation removes them.
     """
     pair = spring.pair
     law = spring.law

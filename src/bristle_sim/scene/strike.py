@@ -293,8 +293,8 @@ def strike_wire(
 # is less than rounding error.
 SMALL_ANGLE = 1e-8
 SHORT_STEP = 1e-8
-"""Length of the single step from rest, in scene time units. It is so short that the angular
-velocities after the step are proportional to it."""
+"""Length of the single step from rest, in scene time units. The step is so short that the angular
+velocities after the step are proportional to its length."""
 
 
 def wire_frequencies(tool: Tool) -> Array:

@@ -1,6 +1,6 @@
 """The first event in an interval, found by a search that misses no touch.
 
-A touch is a zero of the gap between a link and an obstacle. It is searched on the interval's
+A touch is a zero of the gap between a link and an obstacle. The zero is searched on the interval's
 interpolating polynomial by conservative advancement (Mirtich 1996): a gap g cannot close before the
 time g / (largest speed), so a step of the search of this length cannot pass a touch.
 """
@@ -19,12 +19,12 @@ from bristle_sim.scene.system import GAP_ROUNDING, System
 
 CUBIC_ERROR = 0.01
 """Error bound of a gap on the cubic polynomial, divided by h^4 with the interval h (engine units).
-It is 1/384 times a safety factor. For a vibration of angular frequency w, whose angular velocity
-has the amplitude 1, it is the error bound divided by h^4 w^3."""
+The quotient is 1/384 times a safety factor. For a vibration of angular frequency w, whose angular
+velocity has the amplitude 1, the same number is the error bound divided by h^4 w^3."""
 
 QUINTIC_ERROR = 1.3e-5
 """Error bound of a gap on the quintic polynomial, divided by h^6 with the interval h (engine
-units). It is 3.2e-6 times a safety factor."""
+units). The quotient is 3.2e-6 times a safety factor."""
 
 # Largest error of a polynomial near the interval's start, divided by the error bound of the whole
 # interval and by the square of the fraction of the interval that has passed.
@@ -40,8 +40,9 @@ LEAST_ADVANCE = (
 # interval.
 GAP_TOLERANCE = 1e-13
 LOCATED_GAP = 1e-6
-"""Tolerance of the gap at a located touch, as a fraction of the run's accuracy. It is small because
-the error of the time is the gap divided by the approach speed, which may be small too."""
+"""Tolerance of the gap at a located touch, as a fraction of the run's accuracy. The tolerance is
+small because the error of the time is the gap divided by the approach speed, which may be small
+too."""
 
 OPENING = (
     1.0 / 16.0

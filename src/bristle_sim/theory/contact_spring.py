@@ -83,7 +83,7 @@ class ContactSpring:
 
     @property
     def steepness(self) -> float:
-        """Present normal stiffness divided by that in loading.
+        """Present normal stiffness divided by the normal stiffness in loading.
 
         This ratio kappa is 1 in loading and 1/e*^2 in unloading. Without restitution (e* = 0) kappa
         is 0 in unloading, because there is no force.

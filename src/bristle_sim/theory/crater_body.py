@@ -53,7 +53,7 @@ class Paraboloid:
 
     @property
     def lowest(self) -> float:
-        """Coordinate x of the lowest point, m. It is 0, the middle of the crater."""
+        """Coordinate x of the lowest point, m: 0, the middle of the crater."""
         return 0.0
 
     def shape(self, x: Array, y: Array) -> Array:
@@ -127,7 +127,7 @@ class SweptTip:
 
     @property
     def lowest(self) -> float:
-        """Coordinate x of the lowest point, m. It is the tip's last position."""
+        """Coordinate x of the lowest point, m: the tip's last position."""
         return 0.5 * self.length - self.depth / math.tan(self.face.face_angle)
 
     def shape(self, x: Array, y: Array) -> Array:

@@ -152,7 +152,8 @@ def fit_force_history(time: ArrayLike, force: ArrayLike) -> ForceFit:
 
     Args:
         time: increasing times with any origin (s), shape (n,). The record must contain the start
-            and the peak of the contact. It may contain samples before and after the contact.
+            and the peak of the contact. The record may contain samples before and after the
+            contact.
         force: forces (N), shape (n,), positive where the tip is pushed.
 
     Raises:

@@ -111,8 +111,8 @@ class ForceCurve:
     def _integral(self, time: ArrayLike) -> Number:
         """Return the impulse (N s) of the force from first touch to each of the times (s).
 
-        The varying part of the force is proportional to e^(-lambda t) cos(w (t + t_o)), with
-        w = 2 pi/period and the lead t_o. It is integrated as the real part of e^(z t + i w t_o),
+        The varying part of the force is proportional to e^(-lambda t) cos(w (t + t_o)), with w = 2
+        pi/period and the lead t_o. This part is integrated as the real part of e^(z t + i w t_o),
         with z = -lambda + i w.
         """
         t = np.asarray(time, dtype=float)

@@ -77,8 +77,8 @@ def energetic_impact(
 
     Args:
         inverse_mass: inverse mass matrix K of the contact point, 1/kg: the change of the point's
-            velocity per unit impulse. It is symmetric and positive semidefinite, in the order
-            (normal, tangential), shape (..., 2, 2).
+            velocity per unit impulse. The matrix is symmetric and positive semidefinite, in the
+            order (normal, tangential), shape (..., 2, 2).
         velocity: velocity (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s.
             The bodies approach if v_n < 0.
         friction: Coulomb's coefficient of friction, shape (...); that of compression only, if

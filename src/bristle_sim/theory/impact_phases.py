@@ -128,7 +128,7 @@ class InverseMass(NamedTuple):
     Attributes:
         normal, coupling, tangential: entries K_nn, K_nt and K_tt of the matrix, 1/kg.
         stick: change of the normal velocity per unit normal impulse while the point does not slip,
-            1/kg. It is exactly 0 for one degree of freedom.
+            1/kg; exactly 0 for one degree of freedom.
         stick_ratio: ratio of the tangential to the normal impulse while the point does not slip.
     """
 

@@ -72,7 +72,7 @@ class Contact:
 
     @property
     def steep(self) -> float:
-        """Square root of the ratio of the present normal stiffness to that in loading.
+        """Square root of the ratio of the present normal stiffness to the loading stiffness.
 
         The value is 1 in loading and 1/e* in unloading, with the energetic coefficient of
         restitution e*.

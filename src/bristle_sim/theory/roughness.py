@@ -119,9 +119,9 @@ def _mean_spacing(profile: Array, least: float) -> float | None:
 
     The result is None if the profile contains no whole element.
 
-    An element extends from one rise through the mean line to the next. It consists of a hill and a
-    dale, whose extremes are at least ``least`` (m) from the mean line (RSm of ISO 21920-2). The
-    crossings of the mean line are interpolated linearly.
+    An element extends from one rise through the mean line to the next. The element consists of a
+    hill and a dale, whose extremes are at least ``least`` (m) from the mean line (RSm of ISO
+    21920-2). The crossings of the mean line are interpolated linearly.
     """
     beyond = np.flatnonzero(np.abs(profile) > least)
     rises = np.flatnonzero((profile[beyond[:-1]] < 0.0) & (profile[beyond[1:]] > 0.0))

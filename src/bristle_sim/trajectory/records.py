@@ -227,8 +227,8 @@ class ContactRecord:
         neighbour: number of the other bristle in its row, from 1 for the foremost bristle; None for
             any other obstacle.
         point: point of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
-            links), or ``flank`` (between corners). It is empty for a contact of two wires, and for
-            a single contact that is not part of a pass.
+            links), or ``flank`` (between corners). The text is empty for a contact of two wires,
+            and for a single contact that is not part of a pass.
         place: position of this point on the wire's centre line at the start of the contact, (x, y)
             from the hub's centre, m; None where ``point`` is empty.
     """
@@ -289,8 +289,8 @@ class ContactRecord:
         dv_n of the normal velocity without friction. An impulse p changes the velocity by dv = K p,
         with the contact-space inverse mass matrix K. Without friction the normal impulse is thus
         dv_n/K_nn. For a rod of one degree of freedom K has rank one, and the factor is p_n
-        dv_n/(p_n dv_n + p_t dv_t). It is 1 without friction, and infinite if the impulse points
-        along the wire and moves nothing.
+        dv_n/(p_n dv_n + p_t dv_t). The factor is 1 without friction, and infinite if the impulse
+        points along the wire and moves nothing.
         """
         normal, tangential = (
             after - before
