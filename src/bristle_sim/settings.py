@@ -54,7 +54,7 @@ EVENTS = (
 STOP_AFTER = Choice("stop_after", options=EVENTS)
 """Declaration of the event that ends a simulation."""
 
-# Name of the event, before the strike, at which the first link is farthest behind radial
+# Name of the event, before the strike, at which the first link lags the hub most
 LARGEST_RETRACTION = "largest retraction"
 
 OBSTACLE = Choice("obstacle", options=("bar", "workpart", "wire"))

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 from bristle_sim.contact_space.joints import joint_rows, scaled_columns
 
-# Magnitude of J V - b, as a fraction of the sum of the magnitudes of its terms, below which it is
-# rounding error.
+# Largest magnitude of a velocity error J V - b that counts as rounding error, as a fraction of the
+# sum of the magnitudes of the terms of J V - b.
 CLOSED = 1e-14
-# Singular value of the joints' rows, as a fraction of the largest singular value, below which it
-# counts as zero. It is zero where a joint repeats the constraints of other joints.
+# Ratio of a singular value of the joints' rows to the largest singular value, below which the former
+# counts as zero. Singular values are zero where a joint repeats the constraints of other joints.
 DEPENDENT = 1e-12
 
 

@@ -24,11 +24,11 @@ from bristle_sim.theory.impact_phases import JAM, Impact
 # Number of impacts at one point in a step, after which all contacts of its group are resolved
 # simultaneously: a sequence of ever smaller bounces may have no end.
 COLLAPSE = 12
-# Number of impacts in a group in a step, after which all its contacts are resolved simultaneously.
-# It bounds the cost of a step.
+# Number of impacts in a group in a step, after which all contacts of the group are resolved
+# simultaneously. This limit bounds the cost of a step.
 MOST = 40
-# Number of trials, in addition to twice the number of joints, in the search for the joint limits that
-# push in an impact and are not passed. The first trial usually finds them.
+# Largest number of trials in the search for the joint limits that push in an impact, minus twice the
+# number of joints. The first trial usually finds these limits.
 LIMIT_TRIALS = 8
 
 

@@ -39,7 +39,7 @@ from bristle_sim.contact_space.projection import (
 from bristle_sim.contact_space.touching import StepMotion, TouchingPoint
 from bristle_sim.theory.impact_phases import NO_REBOUND, REBOUND, Impact
 
-# Largest product of the number of iterations and the number of contacts. It permits the 640
+# Largest product of the number of iterations and the number of contacts. This permits the 640
 # iterations that a row of 40 balls needs, and takes some 10 ms for any number of contacts.
 EFFORT = 25_000
 # Change of the impulses in an iteration, as a fraction of the largest impulse, at which the

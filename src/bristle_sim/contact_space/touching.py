@@ -30,7 +30,7 @@ from bristle_sim.contact_space.joints import Connected, world
 from bristle_sim.contact_space.projection import allowed_part, set_in_motion
 from bristle_sim.theory.impact import Impact
 
-# Approach speed, as a fraction of the bodies' speed at a point, below which it is rounding error.
+# Largest approach speed that counts as rounding error, divided by the bodies' speed at the point.
 APPROACH_ROUNDING = 1e-9
 
 HALVINGS = 4

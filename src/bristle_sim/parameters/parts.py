@@ -27,8 +27,8 @@ PRINTED_DIAMETER = 7.1e-4
 PRINTED_DENSITY = PRINTED_MASS / (
     math.pi / 4.0 * PRINTED_DIAMETER**2 * PRINTED_LENGTH
 )  # 7,845.78 kg/m^3: steel
-USUAL_MASSES = (PRINTED_MASS / 100.0, PRINTED_MASS * 100.0)  # kg
-RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p, rad (Zhang 2020, eq. 2.2)
+USUAL_MASSES = (PRINTED_MASS / 100.0, PRINTED_MASS * 100.0)  # of a bristle, kg
+RETRACTION_AT_RELEASE = math.radians(44.5)  # retraction theta_p, rad (Zhang 2020, eq. 2.2)
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
 CONTACT_KEYS = ("contact", "contact_duration", "tangential_compliance")  # keys of the law of impact
 SURFACE_KEYS = (

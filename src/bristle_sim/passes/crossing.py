@@ -9,7 +9,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.passes.motion import Function
 
-MOST_EVALUATIONS = 120  # upper bound of the evaluations for a root
+MOST_EVALUATIONS = 120  # largest number of evaluations of the function for one root
 
 MOST_STEPS = 10  # number of evaluations after which every second evaluation halves the bracket
 

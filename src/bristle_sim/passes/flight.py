@@ -69,7 +69,7 @@ gap, divided by the larger of the magnitudes at the segment's two ends."""
 
 EDGE = 1e-9  # tolerance, rad, of the hub angles between which the wire can reach the bar
 MINIMUM_ERROR = 1e-8  # largest error of a minimum's place, relative to the length of its segment
-BOTH_ENDS = np.array([[0], [1]])  # added to a segment's index: the indices of its two ends
+BOTH_ENDS = np.array([[0], [1]])  # plus a segment's index: the indices of the segment's two ends
 
 
 Samples = Array

@@ -32,7 +32,7 @@ ORDER = 20
 The search for touches in a step costs as much as 15 terms. A high order with few steps is therefore
 cheaper, up to the order at which the sine's series bounds the step."""
 
-DEGREES = np.arange(ORDER + 1.0)[:, np.newaxis]  # of a series' terms, as a column
+DEGREES = np.arange(ORDER + 1.0)[:, np.newaxis]  # degrees of a series' terms, as a column
 
 SAFETY = 0.9
 """Ratio of the step length to the length at which the last terms of the series equal the tolerance."""

@@ -25,7 +25,7 @@ from bristle_sim.passes.state import (
 )
 from bristle_sim.theory.impact_phases import JAM, resolve_phases
 
-# Largest number of touches of the bar in a pass. With a restitution near 1 it has no other bound.
+# Largest number of touches of the bar in a pass. With a restitution near 1 there is no other bound.
 MOST_TOUCHES = 3000
 
 HEIGHT_ROUNDING = 1e-14

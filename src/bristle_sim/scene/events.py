@@ -133,7 +133,7 @@ class Event:
     known: tuple[IntervalResult | None, float] = (None, math.nan)
 
     def at(self, result: IntervalResult) -> float:
-        """Return the event's value for a result; the last value is cached."""
+        """Return the event's value for a result of the integrator; the last value is cached."""
         if self.known[0] is not result:
             self.known = (result, self.value(result))
         return self.known[1]

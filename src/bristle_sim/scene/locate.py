@@ -184,7 +184,7 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
 
     If the value changes sign twice, the shortened interval contains the first change only. The
     extreme is estimated by a parabola through the least (or greatest) of five values and its two
-    neighbours. If the extreme is neither beyond zero nor close to it, the interval is unchanged.
+    neighbours. The interval is shortened only if the extreme is beyond zero or close to zero.
     """
     sense = -float(event.direction)
     length = interval.length

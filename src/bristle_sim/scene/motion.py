@@ -34,8 +34,8 @@ BEYOND_CORNER = 1.001
 """Ratio of the next interval's length to the estimated time of a kink that the rejected interval
 contained. The kink is then located in an interval that is smooth but for its last thousandth."""
 
-# Shortest interval, in engine time units. A shorter one is not accurate: its motion is of the order
-# of rounding error.
+# Shortest interval, in engine time units. A shorter interval is not accurate: the motion in it is of
+# the order of rounding error.
 SHORTEST_INTERVAL = 1e-13
 
 SHORTEST_CONTACT_INTERVAL = 1e-9
@@ -67,8 +67,8 @@ class Motion:
         forces: forces of the contacts with springs.
         limit: upper bound of the next interval's length, in engine time units. The bound is small
             at the beginning of a contact, which may end at once.
-        release_in: length at which the next interval is expected to contain the release of a rigid
-            contact; infinite if no release is expected.
+        release_in: length that the next interval must have to contain the expected release of a
+            rigid contact; infinite if no release is expected.
         before: result at the end of the last interval; None in the first interval.
         events: events that may end the motion, contact events first.
         ordered: the rigid contacts.

@@ -193,11 +193,11 @@ class BarPair(FixedPair):
         return distance - self.radius - thickness + self.dent, place - thickness * normal, normal
 
     def ends_passed(self, pose: Pose) -> list[float]:
-        """Return how far the bar's centre is past both ends of each segment, along the segment.
+        """Return the distances by which the bar's centre is past the ends of each straight segment.
 
-        For each straight segment, from the joint to the tip, these are the distances past its start
-        and past its end, in lengths of the segment. Where one is 0, the contact point passes a
-        joint, a knee or the tip.
+        They are measured along the segment, in lengths of the segment: past its start, then past
+            its end. The segment at the joint comes first. Where a distance is 0, the contact point
+            passes a joint, a knee or the tip.
         """
         lines = self.lines(pose.corners)
         feet = [((self.centre - start) / (end - start)).real for start, end in lines]

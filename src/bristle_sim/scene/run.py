@@ -37,7 +37,7 @@ from bristle_sim.settings import StopReason
 
 log = logging.getLogger(__name__)
 
-# kinds of events that change no contact; an extreme's name is that of its kind
+# kinds of events that change no contact; the name of such an event is the name of its kind
 EXTREMES = (Kind.LARGEST_RETRACTION, Kind.HIGHEST_RELATIVE_SPEED, Kind.RETRACTION_LIMIT)
 
 

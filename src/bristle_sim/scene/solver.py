@@ -50,8 +50,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Complexes, Mechanism, State
 from bristle_sim.scene.pairs import ClosedPair, ClosestApproach, contact_rows
 
-# Singular value, as a fraction of the largest one, below which it is zero: a contact repeats the
-# constraint of joints or of other contacts.
+# Ratio of a singular value to the largest singular value, below which the former counts as zero. It
+# is zero where a contact repeats the constraint of joints or of other contacts.
 DEPENDENT = 1e-12
 
 # Number of iterations of Newton's method. They reduce an error of 1e-3 to 1e-6, 1e-12 and then

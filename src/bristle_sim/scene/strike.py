@@ -121,7 +121,7 @@ def _in_si(
 
 
 # Least angular velocity of a rod before an impact (rad/s) that is distinguished from rest. A smaller
-# one has few digits, and its reciprocal, a unit of time, may be no floating-point number.
+# value has few digits, and its reciprocal, a unit of time, may be no floating-point number.
 SLOWEST_RATE = 1e-300
 
 
@@ -289,8 +289,8 @@ def strike_wire(
     return _in_si(scene, units, record, states, begin)
 
 
-# Angle (rad) by which one link is rotated. It changes the mass matrix by the fraction 5e-17, which
-# is less than rounding error.
+# Angle (rad) by which one link is rotated. The rotation changes the mass matrix by the fraction
+# 5e-17, which is less than rounding error.
 SMALL_ANGLE = 1e-8
 SHORT_STEP = 1e-8
 """Length of the single step from rest, in scene time units. The step is so short that the angular

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import Bristle, Tool
 
-COMPRESSION_TIME = 5e-5  # t_c in s, read off high-speed camera frames (Zhang 2020, eq. 3.20)
+COMPRESSION_TIME = 5e-5  # t_c, s, read off frames of a high-speed camera (Zhang 2020, eq. 3.20)
 IMPACT_ANGLE = math.radians(
     23.4
 )  # angle of the tip's path to the surface, rad (Zhang 2020, eq. 4.51)

@@ -30,7 +30,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
 
 # Time before and after the contact that the fit includes, as a fraction of the contact's duration.
-# It is short, so that other contacts in the record stay outside.
+# The time is short, so that other contacts in the record stay outside.
 AROUND = 0.5
 # Error of the estimated start and end of the contact, as a fraction of its duration. Only samples
 # farther from both than this count as outside the contact.

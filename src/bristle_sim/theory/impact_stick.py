@@ -54,7 +54,7 @@ GRAZE = 1.0 - 1e-13
 # its lower derivatives are rounding error.
 FLAT = 1e-10
 
-WIDE = 1e3  # rounding error of an event function that stays zero, divided by that of its terms
+WIDE = 1e3  # rounding error of an event function that stays zero, over rounding error of its terms
 
 
 class Oscillator:
