@@ -23,7 +23,7 @@ from bristle_sim.contact_space.joints import joint_rows, scaled_columns
 # Largest magnitude of a velocity error J V - b that counts as rounding error, as a fraction of the
 # sum of the magnitudes of the terms of J V - b.
 CLOSED = 1e-14
-# Ratio of a singular value of the joints' rows to the largest singular value, below which the former
+# Ratio of a singular value of the joints' rows to the largest singular value, below which the first
 # counts as zero. Singular values are zero where a joint repeats the constraints of other joints.
 DEPENDENT = 1e-12
 

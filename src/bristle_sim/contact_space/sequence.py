@@ -27,8 +27,8 @@ COLLAPSE = 12
 # Number of impacts in a group in a step, after which all contacts of the group are resolved
 # simultaneously. This limit bounds the cost of a step.
 MOST = 40
-# Largest number of trials in the search for the joint limits that push in an impact, minus twice the
-# number of joints. The first trial usually finds these limits.
+# Largest number of trials in the search for the joint limits that push in an impact, minus twice
+# the number of joints. The first trial usually finds these limits.
 LIMIT_TRIALS = 8
 
 

@@ -93,7 +93,7 @@ def comes_to_rest(passes: Passes, at_end: Chosen, pressure: Array, lasting: Arra
 
 
 def touch_at_end(passes: Passes, hub_angle: Array) -> Chosen:
-    """Return whether each wire that lies on the bar touches it with its end rather than its flank."""
+    """Return whether each wire on the bar touches the bar with its end rather than its flank."""
     return np.abs(half_turn(hub_angle - passes.bar_angle)) > passes.flank
 
 

@@ -89,7 +89,7 @@ def lock(system: System, contacts: list[ActiveContact]) -> None:
     """Stop a run in which no force can keep a contact closed.
 
     With friction the link jams. Without friction the link meets its obstacle end-on. ``contacts``
-    are the contacts that lock the link.
+    are the contacts of the link.
     """
     pairs = [contact.pair for contact in contacts]
     if any(pair.friction for pair in pairs):

@@ -34,8 +34,8 @@ BEYOND_CORNER = 1.001
 """Ratio of the next interval's length to the estimated time of a kink that the rejected interval
 contained. The kink is then located in an interval that is smooth but for its last thousandth."""
 
-# Shortest interval, in engine time units. A shorter interval is not accurate: the motion in it is of
-# the order of rounding error.
+# Shortest interval, in engine time units. A shorter interval is not accurate: the motion in it is
+# of the order of rounding error.
 SHORTEST_INTERVAL = 1e-13
 
 SHORTEST_CONTACT_INTERVAL = 1e-9

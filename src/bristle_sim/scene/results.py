@@ -110,8 +110,8 @@ def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -
     The run has recorded every local maximum of the retraction. Of the maxima before the strike (or
     before the end of a run without a strike) only the largest one is returned. The largest one is
     left out too if the retraction is larger at the start of the run, at the strike or at the end. A
-    maximum that has stopped the run is always returned. If the wire has touched neither the bar nor
-    the workpart, an event at the end of the run states this.
+    maximum that has stopped the run is always returned. If the wire has not touched the bar, or not
+    touched the workpart, an event at the end of the run states this.
 
     Args:
         system: the system after its run.

@@ -46,9 +46,10 @@ def run(system: System) -> Iterator[tuple[Motion, Happening | None]]:
 
     Yields:
         Pairs (motion, event). The first pair holds the motion with which the run starts. A pair at
-        the end of each interval holds its motion and the event that has ended the interval. After
-        an event a further pair holds the motion that follows the event. The last pair holds a
-        motion without contacts. The event is None where no event has ended an interval.
+        the end of each interval holds the motion in the interval and the event that has ended the
+        interval. After an event a further pair holds the motion that follows the event. The last
+        pair holds a motion without contacts. The event is None where no event has ended an
+        interval.
     """
     plan = system.plan
     scene = system.scene

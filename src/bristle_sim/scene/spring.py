@@ -73,8 +73,8 @@ class SpringPhase(NamedTuple):
 class SpringContact(ActiveContact):
     """A contact with springs in its present phase; it is simulated over its duration.
 
-    The contact has a normal spring with energetic restitution, Coulomb friction, and a tangential
-    spring if it is compliant along the surface.
+    The contact has a normal spring with energetic restitution, and Coulomb friction. If it is
+    compliant along the surface, it also has a tangential spring.
 
     Attributes:
         law: force law of the springs in the present phase, in engine units.

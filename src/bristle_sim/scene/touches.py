@@ -103,7 +103,7 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
 def _search_hop(
     system: System, interval: Interval, pair: ContactPair, longest: float
 ) -> Found | None:
-    """Search for the end of a rebound that is so small that the link returns within the interval.
+    """Search for the end of a rebound so small that the link touches again within the interval.
 
     An interval longer than ``longest`` is first shortened to this length.
 

@@ -251,11 +251,12 @@ def energy_crater_depth_ratio(
 ) -> Number:
     """Return the crater depth as the ratio of a sum of energies to a sum of forces, m.
 
-    The depth is cos(gamma) (sum_i dE_i)/(sum_i R_i), as eq. 4.66 of Zhang (2020) is printed, with
-    the symbols of ``energy_crater_depth``. The depth falls like 1/``plies``: the sum of energies
-    converges, while the sum of forces grows in proportion to ``plies``.
+    The depth is cos(gamma) (sum_i dE_i)/(sum_i R_i), as eq. 4.66 of Zhang (2020) is printed. dE_i
+    is the kinetic energy lost in time step i, R_i the force at the end of step i, and gamma the
+    impact angle. The depth falls like 1/``plies``: the sum of energies converges, while the sum of
+    forces grows in proportion to ``plies``.
 
-    With 5 plies it is the printed depth:
+    With 5 plies the result is the printed depth:
 
     >>> print(f"{1e6 * energy_crater_depth_ratio(5):.2f} um")
     75.78 um

@@ -167,9 +167,10 @@ class SweptTip:
     def volume(self, depth: ArrayLike | None = None) -> Number:
         """Return the volume of the crater below the plane surface, m^3.
 
-        The volume is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y,
-        with the symbols of ``area``. If ``depth`` (m) is given, only the lowest layer of this
-        thickness counts.
+        The volume is (cot(gamma) + cot(phi))/2 times the integral of (depth - z_e(y))^2 over y.
+        gamma is the impact angle, phi the angle of the face to the surface, z_e(y) the height of
+        the face's edge above the edge's lowest point. If ``depth`` (m) is given, only the lowest
+        layer of this thickness counts.
         """
         last, sine, above = self._edge(self.depth if depth is None else depth)
         full = self.face.full_depth

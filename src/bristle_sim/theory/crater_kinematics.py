@@ -61,11 +61,11 @@ class CraterKinematics:
     def of_tool(cls, tool: Tool, bristle_rate: float) -> CraterKinematics:
         """Return the motion of a radial bristle from its angular velocity at the strike (rad/s).
 
-        The constants are computed without the rounding of the printed ones. The tip arrives with
-        the speed v = r_h omega + L bristle_rate (2.24), with the hub's radius r_h and speed omega
-        and the wire's length L. The decay rate is v divided by the length of the path (4.3). When
-        the tip has come to rest, the bristle has the angular velocity -r_h omega/L (2.36), and its
-        centre of mass has half the speed of the hub's rim.
+        The constants are computed without the rounding of the printed constants. The tip arrives
+        with the speed v = r_h omega + L bristle_rate (2.24), with the hub's radius r_h and speed
+        omega and the wire's length L. The decay rate is v divided by the length of the path (4.3).
+        When the tip has come to rest, the bristle has the angular velocity -r_h omega/L (2.36), and
+        its centre of mass has half the speed of the hub's rim.
         """
         rim = tool.hub.speed * tool.hub.radius
         length = tool.bristle.length
@@ -115,7 +115,7 @@ class TipFace:
         tilt: angle between the face's normal and the wire's axis, rad; measured as 39.5 deg (fig.
             4.5).
         face_angle: angle of the face to the surface, rad. Eq. 4.10 takes 28 deg. From the rake
-            angle, the impact angle plus 11.5 deg (4.36), it would be 55.1 deg.
+            angle, the impact angle plus 11.5 deg (4.36), the face angle would be 55.1 deg.
     """
 
     short_axis: float = 7.1e-4
@@ -167,7 +167,7 @@ class CuttingWidth:
     def of_face(cls, face: TipFace, kinematics: CraterKinematics) -> CuttingWidth:
         """Return the width of the cut for a tip's face and a motion (eqs. 4.13-4.15).
 
-        The constants are computed without the rounding of the printed ones.
+        The constants are computed without the rounding of the printed constants.
         """
         swing = kinematics.face_depth * face.short_axis / face.long_axis
         return cls(0.5 * face.short_axis, swing, kinematics.decay)

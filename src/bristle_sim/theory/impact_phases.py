@@ -291,8 +291,8 @@ def _phase(
     """Advance the state to the end of slip, or to an earlier end of compression or restitution.
 
     With a ``target`` the phase belongs to restitution, otherwise to compression. If no finite
-    impulse ends the phase, the state does not change. In restitution, slip may not drive the point
-    back into the surface; the normal velocity then stays constant.
+    impulse ends the phase, the state does not change. Where slip would drive the point back into
+    the surface in restitution, the normal velocity stays constant.
 
     Args:
         state: velocities and impulses, which the function updates.

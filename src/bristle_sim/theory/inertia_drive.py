@@ -29,11 +29,11 @@ LEAST_SPEED = 1e-100  # least hub speed, rad/s; at a smaller speed the energy wo
 def largest_retraction(
     inertia: float, stiffness: float, centrifugal: float, hub_speed: float
 ) -> float:
-    """Return the largest retraction of a bristle that its inertia throws, rad.
+    """Return the largest retraction of a bristle that is thrown by its own inertia, rad.
 
-    The belt carries the bristle onto the pulley, where its root begins to rotate at the pulley's
-    angular velocity omega. The largest retraction is the angle alpha at which k alpha^2/2 + g (1 -
-    cos alpha) = I omega^2/2.
+    The belt carries the bristle onto the pulley, where the bristle's root begins to rotate at the
+    pulley's angular velocity omega. The largest retraction is the angle alpha at which k alpha^2/2
+    + g (1 - cos alpha) = I omega^2/2.
 
     Args:
         inertia: inertia I of the bristle about its root, kg m^2.

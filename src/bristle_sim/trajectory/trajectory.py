@@ -168,11 +168,11 @@ class Trajectory(Motion):
     def with_places(self, tool: Tool) -> Trajectory:
         """Return a copy in which the contacts with bar and workpart have ``point`` and ``place``.
 
-        At the workpart the place is a corner of the centre line; at the bar it is the point of a
-        straight segment that is closest to the bar. If several points are possible, that with the
-        least g + T dv is taken. Here g is the gap of the point, T the duration of the run, and dv
-        the difference of the point's normal velocity from the normal velocity in the contact
-        record. ``tool`` is the tool that was simulated.
+        At the workpart the place is a corner of the centre line, at the bar it is the closest point
+        of a straight segment. Of several such points, the point with the least g + T dv is taken.
+        Here g is the gap of the point, T the duration of the run, and dv the difference of the
+        point's normal velocity from the normal velocity in the contact record. ``tool`` is the tool
+        that was simulated.
         """
         lines = self.centre_line @ (1.0, 1j)
         duration = float(self.time[-1] - self.time[0])
