@@ -104,8 +104,8 @@ def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float
 def relative_text(value: float | None, sign: str = "") -> str:
     """Return a relative number as text, such as ``2.5 %``, ``3e-06`` or ``12 times``.
 
-    A magnitude below 1e-4 is shown with a power of ten, one of at least 10 as a multiple, any other
-    in per cent. If ``sign`` is ``+``, positive numbers have a sign.
+    A magnitude below 1e-4 is shown with a power of ten, a magnitude of at least 10 as a multiple,
+    any other in per cent. If ``sign`` is ``+``, positive numbers have a sign.
     """
     if not value or not math.isfinite(value):
         return "0" if value == 0.0 else "-"

@@ -77,7 +77,7 @@ class Placer:
     """
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
-        """Prepare to set and read ``bodies``, whose order is that of all later values."""
+        """Prepare to set and read ``bodies``; later values are in the order of these bodies."""
         self._bodies = [body._body for body in bodies]
         # The array has room for one more body; otherwise the engine would move it to other memory.
         self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))

@@ -166,8 +166,8 @@ class CompliantLaw(ContactLaw):
         Args:
             scene: the scene.
             fastest: largest angular velocity of a link, at least 1, in scene units.
-            unloading: unloading time divided by loading time, and by the square root of the factor
-                by which a tangential spring amplifies rounding error.
+            unloading: ratio of unloading time to loading time, divided by the square root of the
+                factor by which a tangential spring amplifies rounding error.
         """
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
         return max(

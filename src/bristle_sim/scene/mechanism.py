@@ -258,10 +258,10 @@ def cross(arm: complex, direction: complex) -> float:
 class Curve:
     """The interpolating polynomial of the motion in an interval.
 
-    For each link it is the cubic Hermite polynomial of the angles and angular velocities at both
-    ends. If the state in the middle is given, (s (1 - s))^2 times a linear function of s is added,
-    where s is the fraction of the interval. The angle and the angular velocity in the middle are
-    then exact too.
+    For each link the polynomial is the cubic Hermite polynomial of the angles and angular
+    velocities at both ends. If the state in the middle is given, (s (1 - s))^2 times a linear
+    function of s is added, where s is the fraction of the interval. The angle and the angular
+    velocity in the middle are then exact too.
     """
 
     def __init__(self, start: State, middle: State | None, end: State) -> None:

@@ -105,8 +105,8 @@ def snapshots(
             for ``simulate``.
 
     Raises:
-        ValueError: as for ``simulate``. Invalid input raises it at the call. A contact law that
-            cannot resolve the first contact raises it during the run.
+        ValueError: as for ``simulate``. Invalid input raises the error at the call. A contact law
+            that cannot resolve the first contact raises the error during the run.
     """
     begin = (start_hub_angle, start_relative_angle, start_relative_rate)
     system, units, _ = prepare(tool, settings, begin, stop_after=stop_after)

@@ -193,7 +193,7 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
 
     For zeta < 1 the angular velocity relative to the hub is proportional to e^(-zeta Omega t)
     sin(Omega_d t), with Omega_d = Omega sqrt(1 - zeta^2). It is largest where tan(Omega_d t) =
-    sqrt(1 - zeta^2)/zeta. A damped bristle has not yet reached the radial direction then.
+    sqrt(1 - zeta^2)/zeta. A damped bristle has not yet reached the radial direction at that time.
 
     >>> print(f"{damped_cue_time(2.0, 0.0):.6f} {damped_cue_time(2.0, 1.0):.6f}")  # (pi/2)/Omega, and 1/Omega at critical damping
     0.785398 0.500000

@@ -72,7 +72,8 @@ class ForceFit:
             to be independent and of equal standard deviation.
         residuals: fitted minus measured force (N), shape (n,).
         noise: standard deviation of the error of a point (N), estimated from the residuals.
-        explained: sum of squares of the force about its mean, minus that of the residuals, N^2.
+        explained: sum of squares of the force about its mean, minus the sum of squares of the
+            residuals, N^2.
         start: time of the record at which the contact starts, s.
         baseline: force that the record shows outside the contact, N.
     """
@@ -177,8 +178,8 @@ def _pulses(time: Array, force: Array) -> Iterator[_Pulse]:
     """Yield different estimates of the contact, from which the fits start.
 
     Each estimate is the highest pulse of a moving average of the record. There are two estimates
-    for each average: the pulse's height is measured from the median of the record, and from the
-    mean of the first and the last value of the average.
+    for each average. In the first the pulse's height is measured from the median of the record, in
+    the second from the mean of the first and the last value of the average.
     """
     interval = float(np.median(np.diff(time)))
     for width in (2**power for power in range(max(1, int(math.log2(force.size)) - 1))):

@@ -81,8 +81,8 @@ def energetic_impact(
             order (normal, tangential), shape (..., 2, 2).
         velocity: velocity (v_n, v_t) of the contact point before the impact, shape (..., 2), m/s.
             The bodies approach if v_n < 0.
-        friction: Coulomb's coefficient of friction, shape (...); that of compression only, if
-            ``restitution_friction`` is given.
+        friction: Coulomb's coefficient of friction, shape (...). If ``restitution_friction`` is
+            given, this coefficient holds in compression only.
         restitution: energetic coefficient of restitution e*, in [0, 1], shape (...).
         restitution_friction: coefficient of friction in restitution, by default equal to
             ``friction``.
@@ -93,7 +93,7 @@ def energetic_impact(
             0 (rigid along the surface) to 1e4, shape (...). Two bodies of one elastic material have
             (2 - nu)/(2 (1 - nu)), nu being Poisson's ratio (``impact_compliance``). Below 1e-4 the
             result is a mean of the rigid impact and of the impact at 1e-4, weighted linearly in
-            eta, so that it is continuous.
+            eta, so that the result is continuous.
 
     Returns:
         The impact, with floats for a single impact and arrays of the broadcast shape otherwise.
@@ -109,8 +109,8 @@ def energetic_impact(
     0.001 eta.
 
     A body of 1 kg slips throughout. The normal impulse is 1 N s in compression and 0.5 N s in
-    restitution, whose work is 0.25 times that of compression. The friction impulse is 0.2 times 1.5
-    N s.
+    restitution, whose work is 0.25 times the work of compression. The friction impulse is 0.2 times
+    1.5 N s.
 
     >>> impact = energetic_impact(np.eye(2), (-1.0, 0.5), 0.2, 0.5)
     >>> impact.velocity_normal, round(impact.velocity_tangential, 12), impact.impulse_normal

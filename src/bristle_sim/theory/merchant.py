@@ -161,7 +161,7 @@ def specific_cutting_energy(
         surface: direction of the surface at which the shear plane ends, relative to the tip's path:
             ``parallel``, as the dissertation assumes, or ``inclined``, as the real surface is.
 
-    At mu = 1, gamma = 0 and tau_s = 1 Pa u is cos(45)/(sin(22.5) cos(67.5)) = 0.707107/0.146447:
+    At mu = 1, gamma = 0, tau_s = 1 Pa: u = cos(45)/(sin(22.5) cos(67.5)) = 0.707107/0.146447.
 
     >>> print(f"{specific_cutting_energy(1.0, 0.0, 1.0):.3f}")
     4.828
