@@ -183,7 +183,7 @@ class Range(Declaration):
         declared unit. A value that is not a text is checked without conversion.
 
         Raises:
-            ValueError: if it is not a decimal number, or its dimension or value is not permitted.
+            ValueError: if the number is not decimal, or its dimension or value is not permitted.
         """
         if not isinstance(text, str):
             return self.check(text)

@@ -56,9 +56,8 @@ class EnergeticContact:
     are resolved simultaneously.
 
     A copied or unpickled space has its own EnergeticContact, which :meth:`of` returns. The copy's
-    ``report`` is None.
-    Threads may step different spaces at the same time; Chipmunk does not permit two threads in one
-    space.
+    ``report`` is None. Threads may step different spaces at the same time; Chipmunk does not permit
+    two threads in one space.
 
     Just before an impact, the velocities are changed as little as possible so that they obey the
     joints. Neither this change nor the impact increases the energy, except by the work of moving

@@ -180,8 +180,8 @@ def lying(passes: Passes, hub_angle: Array, at_end: Chosen) -> Lying:
 
 
 LEAST_SQUARE = 1e-60
-"""Lower bound of squares whose roots are divisors, dimensionless. Such a square is zero where the
-wire points at the bar's centre."""
+"""Lower bound of squares whose roots are divisors, dimensionless. For a wire whose end touches the
+bar, the square is zero where the wire points at the bar's centre."""
 
 Tilt = tuple[Array, Array, Array]
 """Angle eta (rad) at the root between wire and line to the bar's centre, and two coefficients.

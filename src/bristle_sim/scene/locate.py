@@ -128,7 +128,7 @@ def first_change(
 
 
 def _change(event: Event, interval: Interval) -> tuple[float, float] | None:
-    """Return an event's values at an interval's ends; None if no event happens in the interval."""
+    """Return an event's values at an interval's ends; None if it does not happen there."""
     sign = event.sign
     right = event.at(interval.end)
     noise = event.noise

@@ -152,9 +152,9 @@ def _sense_after(motion: Motion, event: Happening) -> int:
 def begin_motion(system: System, given: Motion) -> Motion:
     """Close the gaps of rigid contacts exactly; return a new motion with the contacts of ``given``.
 
-    A contact that no force can keep closed is released if it opens without force. Otherwise the run
-    stops. The run also stops if every wire has had the event ``stop_after`` and no contact has a
-    spring.
+    A contact that no force can keep closed is released if it opens without force; if it stays
+    closed, the run stops. The run also stops if every wire has had the event ``stop_after`` and no
+    contact has a spring.
     """
     springs = given.springs
     if not (system.waiting or springs):

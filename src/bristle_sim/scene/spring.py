@@ -283,10 +283,11 @@ def _spring_force(scene: Scene, spring: SpringContact) -> SpringForce:
 
     In stick without a tangential spring, the tangential force in a step of length h cancels the
     slip velocity v_t of the previous step. This force is -(K_nt N + v_t/h)/K_tt, with the normal
-    force N and the contact-space inverse mass matrix K. In slip at rest it cancels the normal
-    velocity v_n instead, and is -(K_nn N + v_n/h)/K_nt. The force in the second step stands for the
-    force at the interval's beginning. The force that a further step would have stands for the force
-    at its end. The errors of both are power series in h, so extrapolation removes them.
+    force N and the contact-space inverse mass matrix K. In the phase "slip at rest" the tangential
+    force cancels the normal velocity v_n instead, and is -(K_nn N + v_n/h)/K_nt. The force in the
+    second step stands for the force at the interval's beginning. The force that a step after the
+    interval would have stands for the force at the interval's end. The errors of both are power
+    series in h, so extrapolation removes them.
     """
     pair = spring.pair
     law = spring.law

@@ -61,7 +61,7 @@ def largest_retraction(
     bristle = (stiffness, centrifugal, inertia)
 
     def excess(angle: float) -> float:
-        """Return the potential energy at an angle divided by the initial kinetic one, minus 1."""
+        """Return the potential energy at an angle over the initial kinetic energy, minus 1."""
         return float((stiffened_highest_speed(angle, *bristle) / hub_speed) ** 2) - 1.0
 
     flat = 0.5 * math.pi
