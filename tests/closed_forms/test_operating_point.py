@@ -131,8 +131,10 @@ def test_a_run_ends_where_retraction_is_largest(
     """Before the bar the relative rate is zero but for rounding, of either sign: no retraction is largest there."""
     true = Chain.forces
 
-    def rounded(chain: Chain, time: float, *state: Any) -> Any:
-        return true(chain, time, *state) + rounding * chain.stiffness * math.cos(2e4 * time)
+    def rounded(chain: Chain, time: Any, *state: Any) -> Any:
+        return true(chain, time, *state) + rounding * np.multiply.outer(
+            np.cos(2e4 * time), chain.stiffness
+        )
 
     monkeypatch.setattr(Chain, "forces", rounded)
     run = solve(Tool(), stop_after="largest retraction")

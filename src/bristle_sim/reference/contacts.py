@@ -18,7 +18,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,40 +43,41 @@ class Point(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Kinematics of a contact at one instant, in SI units.
+    """Kinematics of a contact at one instant, or at n instants along a first axis, in SI units.
 
     The two components of a vector are normal and tangential to the obstacle's surface.
 
     Attributes:
         gap: gap between wire and obstacle, m.
         rows: Jacobian of the contact velocity: its derivatives with respect to the angular
-            velocities of the links (m), shape (2, links).
-        velocity: velocity of the wire's surface at the contact (m/s), shape (2,).
+            velocities of the links (m), shape (..., 2, links).
+        velocity: velocity of the wire's surface at the contact (m/s), shape (..., 2).
         bias: acceleration of the contact if the links' angular accelerations are zero (m/s^2),
-            shape (2,).
+            shape (..., 2).
         along: coordinate x of the contact, along a flat surface, m.
     """
 
-    gap: float
+    gap: Any
     rows: Array
     velocity: Array
     bias: Array
-    along: float = 0.0
+    along: Any = 0.0
 
 
 def touch_of(
     chain: Chain,
     motion: Kinematics,
     link: int,
-    gap: float,
-    normal: complex,
-    point: complex,
-    spin: float,
-    moving: complex,
+    gap: Any,
+    normal: Any,
+    point: Any,
+    spin: Any,
+    moving: Any,
 ) -> Touch:
     """Return the kinematics of a contact between a link and an obstacle.
 
-    Vectors of the plane are complex numbers x + iy.
+    Vectors of the plane are complex numbers x + iy. Each argument after ``link`` is a number, or an
+    array for n instants.
 
     Args:
         chain: the links.
@@ -89,15 +90,16 @@ def touch_of(
         moving: velocity of the contact point, m/s. It differs from the velocity of the wire's
             material at this point, because the contact point moves along the wire.
     """
-    axes = np.conj([normal, -1j * normal])
-    arm = point - motion.joint[link]
-    turning = 1j * motion.rates[link]
-    material = motion.velocity[link] + turning * arm
+    axes = np.conj([normal, -1j * normal]).T
+    arm = point - motion.joint[..., link]
+    turning = 1j * motion.rates[..., link]
+    material = motion.velocity[..., link] + turning * arm
     # d/dt of n.v and t.v, with n' = i spin n and arm' = moving - velocity, at theta'' = 0.
-    change = motion.acceleration[link] + turning * (moving - motion.velocity[link])
-    change -= 1j * spin * material
-    rows = np.multiply.outer(axes, chain.jacobian(motion, link, arm)).real
-    return Touch(gap, rows, (axes * material).real, (axes * change).real, float(point.real))
+    change = motion.acceleration[..., link] + turning * (moving - motion.velocity[..., link])
+    change = change - 1j * spin * material
+    rows = axes[..., None] * chain.jacobian(motion, link, arm)[..., None, :]
+    velocity, bias = (axes * each[..., None] for each in (material, change))
+    return Touch(gap, rows.real, velocity.real, bias.real, point.real)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,11 +145,11 @@ class Bar:
         ``point`` is the flank or the corner of the wire at which the contact acts.
         """
         link, start, direction, length = (column[point.piece] for column in chain.pieces)
-        away = length if point.corner else self.feet(chain, motion)[point.piece]
+        away = length if point.corner else self.feet(chain, motion)[..., point.piece]
         place, carried = chain.points(motion, link, start + away * direction)
-        distance = abs(place - self.centre)
+        distance = np.abs(place - self.centre)
         normal = (place - self.centre) / distance
-        spin = dot(1j * normal, carried) / distance if point.corner else motion.rates[link]
+        spin = dot(1j * normal, carried) / distance if point.corner else motion.rates[..., link]
         # The place of contact stays on the bar, whose normal turns at ``spin``.
         outwards = (distance - self.wire_radius) * normal
         gap = distance - self.reach
@@ -195,10 +197,9 @@ class WirePairs:
         self.pairs = list(itertools.combinations(range(wires), 2))
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap between the two wires of every pair, m."""
-        return np.array(
-            [self._nearest(chain, motion, *pair)[0] - self.diameter for pair in self.pairs]
-        )
+        """Return the gap between the two wires of every pair (m), shape (..., pairs)."""
+        distances = [self._nearest(chain, motion, *pair)[0] for pair in self.pairs]
+        return np.array(distances).T - self.diameter
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of the contact between the two wires of a pair.
@@ -206,31 +207,34 @@ class WirePairs:
         The velocity is that of the first wire minus that of the second wire.
         """
         wires = self.pairs[point.piece]
-        distance, end, places = self._nearest(chain, motion, *wires)
-        arms = np.array(places) * chain.ends[list(wires)] / chain.length
-        ends, carried = chain.points(motion, list(wires), arms)
-        normal = complex(ends[0] - ends[1]) / distance
+        distance, end, at, foot = self._nearest(chain, motion, *wires)
+        places = np.where(end, [foot, at], [at, foot]).T
+        arms = places * chain.ends[list(wires)] / chain.length
+        (front, back), (front_velocity, back_velocity) = (
+            np.moveaxis(each, -1, 0) for each in chain.points(motion, list(wires), arms)
+        )
+        normal = (front - back) / distance
         # The end moves with its wire. The normal turns with the other wire's flank, or with the
         # line between two ends.
-        if 0.0 < places[1 - end] < chain.length:
-            spin = float(motion.rates[wires[1 - end]])
-        else:
-            spin = dot(1j * normal, complex(carried[0] - carried[1])) / distance
+        on_flank = (foot > 0.0) & (foot < chain.length)
+        turning = np.where(end, motion.rates[..., wires[0]], motion.rates[..., wires[1]])
+        between = dot(1j * normal, front_velocity - back_velocity) / distance
+        spin = np.where(on_flank, turning, between)
         reach = (0.5 - end) * self.diameter * normal
-        contact = complex(ends[end] - reach)
-        moving = complex(carried[end] - 1j * spin * reach)
+        contact = np.where(end, back, front) - reach
+        moving = np.where(end, back_velocity, front_velocity) - 1j * spin * reach
         gap = distance - self.diameter
-        front, back = (
+        own, other = (
             touch_of(chain, motion, link, gap, normal, contact, spin, moving) for link in wires
         )
         return Touch(
-            gap, front.rows - back.rows, front.velocity - back.velocity, front.bias - back.bias
+            gap, own.rows - other.rows, own.velocity - other.velocity, own.bias - other.bias
         )
 
     @staticmethod
     def _nearest(
         chain: Chain, motion: Kinematics, first: int, second: int
-    ) -> tuple[float, int, tuple[float, float]]:
+    ) -> tuple[Any, Any, Any, Any]:
         """Return the shortest distance between the centre lines of two wires, and where it is.
 
         At least one of the two nearest points is an end of its wire.
@@ -238,18 +242,26 @@ class WirePairs:
         Returns:
             distance: the shortest distance, m.
             end: which wire has its nearest point at an end: 0 for the first wire, 1 for the second.
-            places: distance of each nearest point from the root of its wire, m.
+            at: distance of this end from the root of its wire, m.
+            foot: distance of the other wire's nearest point from its root, m.
         """
         length = chain.length
         along = chain.ends * motion.turn / length
-        found = []
-        for end, (own, other) in enumerate(((first, second), (second, first))):
+        distances = []
+        feet = []
+        for own, other in ((first, second), (second, first)):
             for at in (0.0, length):
-                apart = motion.joint[own] + at * along[own] - motion.joint[other]
-                foot = min(max(dot(along[other], apart), 0.0), length)
-                places = (foot, at) if end else (at, foot)
-                found.append((abs(apart - foot * along[other]), end, places))
-        return min(found)
+                apart = motion.joint[..., own] + at * along[..., own] - motion.joint[..., other]
+                foot = np.clip(dot(along[..., other], apart), 0.0, length)
+                distances.append(np.abs(apart - foot * along[..., other]))
+                feet.append(foot)
+        nearest = np.argmin(distances, axis=0)
+        return (
+            np.min(distances, axis=0),
+            nearest // 2,
+            nearest % 2 * length,
+            np.choose(nearest, feet),
+        )
 
 
 Obstacles = Mapping[str, Bar | Workpart | WirePairs]
@@ -273,6 +285,6 @@ def follows(chain: Chain, piece: int) -> bool:
     return piece > 0 and not chain.tips[piece - 1]
 
 
-def dot(first: complex, second: complex) -> float:
+def dot(first: Any, second: Any) -> Any:
     """Return the scalar product of two vectors of the plane, given as complex numbers."""
-    return float((np.conj(first) * second).real)
+    return (np.conj(first) * second).real

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from bristle_sim.reference.log import Finished, Record
 from bristle_sim.reference.system import Instant, System
 from bristle_sim.settings import LARGEST_RETRACTION, StopReason
 
-Value = Callable[[Instant], float]
+Value = Callable[[Instant], Any]
 Follow = Callable[
     [State], State
 ]  # consequence of an event: function of the state before it that returns the state after it
@@ -53,7 +53,7 @@ class Event(NamedTuple):
     """An event that ends an interval of smooth motion: a change of sign of an event function.
 
     Attributes:
-        value: event function, a function of the state.
+        value: event function, a function of the state at one instant or at n instants.
         direction: sign of the event function after the event.
         resolution: magnitude below which a value of the event function is rounding error.
         follow: function that applies the consequence of the event to the state.
@@ -109,15 +109,15 @@ def _wire_events(system: System, instant: Instant, own: Record) -> list[Event]:
     link = own.links.start
     rounding = system.rate_rounding(instant.state)
 
-    def rate(at: Instant) -> float:
+    def rate(at: Instant) -> Any:
         """Return the angular velocity of the wire's first link relative to the hub, rad/s."""
-        return float(at.state.rates[link] - system.chain.speed)
+        return at.state.rates[..., link] - system.chain.speed
 
-    def acceleration(at: Instant) -> float:
+    def acceleration(at: Instant) -> Any:
         """Return the angular acceleration of the wire's first link, rad/s^2."""
-        return float(at.balance.accelerations[link])
+        return at.balance.accelerations[..., link]
 
-    def upright(at: Instant) -> float:
+    def upright(at: Instant) -> Any:
         """Return (pi/2)^2 minus the square of the angle from the radial direction, rad^2."""
         return (0.5 * math.pi) ** 2 - own.relative(at.state) ** 2
 
@@ -154,9 +154,9 @@ def _touch_events(system: System, instant: Instant) -> list[Event]:
     inside = INSIDE * system.size
     found = []
 
-    def gap(name: str, piece: int, at: Instant) -> float:
+    def gap(name: str, piece: int, at: Instant) -> Any:
         """Return the gap between an obstacle and a straight piece, m."""
-        return float(at.gaps(name)[piece])
+        return at.gaps(name)[..., piece]
 
     def leave_dent(piece: int, state: State) -> State:
         """Discard the dent, because the corner of a wire has risen to the original surface."""
@@ -195,7 +195,7 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
     acceleration = ROUNDING * system.size * system.fastest**2
     acting = instant.contacts[number]
 
-    def pressing(at: Instant) -> float:
+    def pressing(at: Instant) -> Any:
         """Return the normal acceleration that the contact force causes at the contact, m/s^2.
 
         It has the sign of the normal force. Unlike the force, it stays bounded where friction locks
@@ -203,9 +203,9 @@ def _force_events(system: System, instant: Instant, number: int) -> list[Event]:
         """
         touch = at.contacts[number].touch
         ratio = 0.0 if acting.sticks else acting.ratio
-        return float(at.balance.pushes[number, 0]) * normal_response(at.mass, touch, ratio)
+        return at.balance.pushes[..., number, 0] * normal_response(at.mass, touch, ratio)
 
-    def freedom(at: Instant) -> float:
+    def freedom(at: Instant) -> Any:
         """Return the normal acceleration per unit normal force, over its value without friction."""
         touch = at.contacts[number].touch
         with_friction = normal_response(at.mass, touch, acting.ratio)
@@ -242,11 +242,11 @@ def _spring_events(system: System, instant: Instant, each: Compliant) -> list[Ev
     # This exceeds the rounding of a gap; otherwise the contact would unload and load at one instant.
     deeper = ROUNDING * system.size
 
-    def opening(at: Instant) -> float:
+    def opening(at: Instant) -> Any:
         """Return the normal velocity of the contact, m/s."""
-        return float(at.touch(each.point).velocity[0])
+        return at.touch(each.point).velocity[..., 0]
 
-    def excess(depth: float, at: Instant) -> float:
+    def excess(depth: float, at: Instant) -> Any:
         """Return the penetration minus ``depth``, m."""
         return each.level - at.touch(each.point).gap - depth
 
@@ -275,7 +275,7 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
     # The contact may change during an event, but the slip of the interval is that at its start.
     slip = each.slip
 
-    def sliding(at: Instant) -> float:
+    def sliding(at: Instant) -> Any:
         """Return the slip velocity (m/s), positive in the sense of ``slip``.
 
         With a tangential spring it is the velocity of the spring's foot.
@@ -283,12 +283,12 @@ def _friction_event(system: System, instant: Instant, number: int) -> Event:
         touch = at.contacts[number].touch
         if isinstance(each, Compliant):
             return each.foot(touch, slip)
-        return slip * float(touch.velocity[1])
+        return slip * touch.velocity[..., 1]
 
-    def cone(at: Instant) -> float:
+    def cone(at: Instant) -> Any:
         """Return the largest friction force minus the present friction force, N."""
-        normal, tangential = at.balance.pushes[number].tolist()
-        return float(each.friction * normal - abs(tangential))
+        normal, tangential = at.balance.pushes[..., number, :].T
+        return each.friction * normal - np.abs(tangential)
 
     event = Event(cone, -1, force, partial(decide, system))
     if slip:  # slip after stick starts from a velocity that is rounding, of either sign
@@ -304,9 +304,9 @@ def _place_events(system: System, instant: Instant, each: Sustained) -> list[Eve
     length = float(system.chain.pieces.lengths[index])
     past = PAST * system.chain.length
 
-    def foot(piece: int, at: Instant) -> float:
+    def foot(piece: int, at: Instant) -> Any:
         """Return the coordinate of the bar's centre along a straight piece, m."""
-        return float(at.feet[piece])
+        return at.feet[..., piece]
 
     def move(point: Point, state: State) -> State:
         """Let the contact act at another point of the wire, and return the state."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,8 +46,8 @@ class Acting(NamedTuple):
     touch: Touch
     friction: float
     slip: int
-    push: float | None = None
-    rub: float | None = None
+    push: Any = None
+    rub: Any = None
 
     @property
     def sticks(self) -> bool:
@@ -58,7 +58,8 @@ class Acting(NamedTuple):
         """
         if self.slip != STICK or self.friction <= 0.0 or self.rub is not None:
             return False
-        return self.push is not None or int(np.count_nonzero(self.touch.rows.any(axis=0))) > 1
+        moved = self.touch.rows.reshape(-1, self.touch.rows.shape[-1]).any(axis=0)
+        return self.push is not None or int(np.count_nonzero(moved)) > 1
 
     @property
     def ratio(self) -> float:
@@ -67,11 +68,11 @@ class Acting(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """Solution of the equations of motion at one instant.
+    """Solution of the equations of motion at one instant, or at n instants along a first axis.
 
     Attributes:
         accelerations: angular accelerations of the links, rad/s^2.
-        pushes: (normal, tangential) force of each contact (N), shape (contacts, 2).
+        pushes: (normal, tangential) force of each contact (N), shape (..., contacts, 2).
     """
 
     accelerations: Array
@@ -79,9 +80,12 @@ class Balance(NamedTuple):
 
 
 class State(NamedTuple):
-    """The state of all links: time (s), absolute angles (rad) and angular velocities (rad/s)."""
+    """The state of all links: time (s), absolute angles (rad) and angular velocities (rad/s).
 
-    time: float
+    In the state at n instants the arrays have a first axis of n instants.
+    """
+
+    time: Any
     angles: Array
     rates: Array
 
@@ -153,11 +157,11 @@ class Compliant(Sustained):
         """Return the contact with its kinematics and the forces of its springs."""
         return Acting(touch, self.friction, self.slip, self.force(touch.gap), self.rub(touch))
 
-    def force(self, gap: float) -> float:
+    def force(self, gap: Any) -> Any:
         """Return the normal force (N) at a gap (m) from the original surface."""
         return self.law.normal_force(self.level - gap)
 
-    def rub(self, touch: Touch) -> float | None:
+    def rub(self, touch: Touch) -> Any:
         """Return the force of the tangential spring, N; None without a tangential spring."""
         if not self.law.compliance:
             return None
@@ -165,17 +169,21 @@ class Compliant(Sustained):
             return -self.friction * self.slip * self.force(touch.gap)
         return self.law.tangential_force(touch.along, self.anchor)
 
-    def foot(self, touch: Touch, slip: int) -> float:
+    def foot(self, touch: Touch, slip: int) -> Any:
         """Return the velocity of the tangential spring's foot in the sense of ``slip``, m/s.
 
         Without a tangential spring it is the velocity of the contact point.
         """
-        normal, tangential = touch.velocity.tolist()
-        return slip * self.law.foot_velocity((normal, tangential), slip)
+        velocity: Any = touch.velocity.T
+        return slip * self.law.foot_velocity(velocity, slip)
 
 
 def solve(matrix: Array, right: Array) -> Array:
-    """Return the solution of a system of linear equations with the right-hand side ``right``."""
+    """Return the solution of a system of linear equations with the right-hand side ``right``.
+
+    ``right`` is a vector, or has one column for each of several right-hand sides. With a first axis
+    of n instants in ``matrix``, it has this axis and columns.
+    """
     return np.asarray(np.linalg.solve(matrix, right), dtype=float)
 
 
@@ -183,37 +191,39 @@ def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Return the accelerations and the contact forces that solve the equations of motion.
 
     Args:
-        mass: mass matrix of the links, kg m^2.
-        forces: generalized forces on the links, without those of the contacts, N m.
+        mass: mass matrix of the links (kg m^2), shape (..., links, links).
+        forces: generalized forces on the links, without those of the contacts (N m), shape (...,
+            links).
         contacts: the contacts, each in stick or in slip of a given sense.
     """
-    links = len(forces)
+    links = forces.shape[-1]
     size = links + 2 * len(contacts)
-    matrix = np.zeros((size, size))
-    right = np.zeros(size)
-    matrix[:links, :links] = mass
-    right[:links] = forces
+    matrix = np.zeros((*forces.shape[:-1], size, size))
+    right = np.zeros((*forces.shape[:-1], size))
+    matrix[..., :links, :links] = mass
+    right[..., :links] = forces
     for number, each in enumerate(contacts):
         normal = links + 2 * number
         tangential = normal + 1
-        matrix[:links, normal : normal + 2] = -each.touch.rows.T
+        matrix[..., :links, normal : normal + 2] = -np.swapaxes(each.touch.rows, -1, -2)
         if each.push is None:  # the force that keeps the gap closed
-            matrix[normal, :links] = each.touch.rows[0]
-            right[normal] = -each.touch.bias[0]
+            matrix[..., normal, :links] = each.touch.rows[..., 0, :]
+            right[..., normal] = -each.touch.bias[..., 0]
         else:
-            matrix[normal, normal] = 1.0
-            right[normal] = each.push
+            matrix[..., normal, normal] = 1.0
+            right[..., normal] = each.push
         if each.sticks:
-            matrix[tangential, :links] = each.touch.rows[1]
-            right[tangential] = -each.touch.bias[1]
+            matrix[..., tangential, :links] = each.touch.rows[..., 1, :]
+            right[..., tangential] = -each.touch.bias[..., 1]
         else:
-            matrix[tangential, tangential] = 1.0
+            matrix[..., tangential, tangential] = 1.0
             if each.rub is None:
-                matrix[tangential, normal] = -each.ratio
+                matrix[..., tangential, normal] = -each.ratio
             else:
-                right[tangential] = each.rub
-    found = solve(matrix, right)
-    return Balance(found[:links], found[links:].reshape(-1, 2))
+                right[..., tangential] = each.rub
+    found = solve(matrix, right[..., None])[..., 0]
+    pushes = found[..., links:].reshape(*forces.shape[:-1], len(contacts), 2)
+    return Balance(found[..., :links], pushes)
 
 
 def acting(
@@ -301,28 +311,32 @@ def _obeys_coulomb(
     return each.slip * begins >= -rounding if each.slip else abs(begins) <= rounding
 
 
-def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
+def normal_response(mass: Array, touch: Touch, ratio: float) -> Any:
     """Return the normal acceleration of a contact point per unit normal force in slip, 1/kg.
 
     The response is J_n M^-1 (J_n + f J_t)^T, with the rows J_n and J_t of ``touch``, the mass
     matrix M and the ratio f of the tangential to the normal force (``ratio``). If the response is
     not positive, friction locks the contact.
     """
-    normal, tangential = touch.rows
-    return float(normal @ solve(mass, normal + ratio * tangential))
+    normal, tangential = np.moveaxis(touch.rows, -2, 0)
+    response = solve(mass, (normal + ratio * tangential)[..., None])[..., 0]
+    return (normal * response).sum(axis=-1)
 
 
 def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
     """Return the smallest changes of angles and angular velocities that close contacts.
 
     After the changes the gaps and the normal velocities of all contacts in ``touches`` are zero, to
-    first order. The size of a change is its norm in the mass matrix.
+    first order. The size of a change is its norm in the mass matrix. The contacts are those of one
+    instant, or of n instants along a first axis.
 
     Returns:
         The changes of the links' angles (rad), and of their angular velocities (rad/s).
     """
-    rows = np.array([touch.rows[0] for touch in touches])
-    response = solve(mass, rows.T)
-    amounts = np.array([[touch.gap, touch.velocity[0]] for touch in touches])
+    rows = np.stack([touch.rows[..., 0, :] for touch in touches], axis=-2)
+    response = solve(mass, np.swapaxes(rows, -1, -2))
+    gaps = [touch.gap for touch in touches]
+    speeds = [touch.velocity[..., 0] for touch in touches]
+    amounts = np.array([gaps, speeds]).T
     changes = -response @ solve(rows @ response, amounts)
-    return changes[:, 0], changes[:, 1]
+    return changes[..., 0], changes[..., 1]

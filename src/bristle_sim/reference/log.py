@@ -39,10 +39,9 @@ class Record:
         """Return the state of this wire's links, from the state of the links of all wires."""
         return State(state.time, state.angles[self.links], state.rates[self.links])
 
-    def relative(self, state: State) -> float:
+    def relative(self, state: State) -> Any:
         """Return the angle of the wire's first link relative to the radial direction, rad."""
-        angle = state.angles[self.links.start] - self.chain.hub_angles(state.time)[0]
-        return float(angle)
+        return state.angles[..., self.links.start] - self.chain.hub_angles(state.time)[..., 0]
 
     def event(self, name: str, time: float) -> None:
         """Record that an event of this wire occurs at a time in s."""

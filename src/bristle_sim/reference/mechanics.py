@@ -96,7 +96,8 @@ class Chain:
         pieces: straight pieces of the centre lines.
         middles: vector from the link's first joint to the middle of each piece, m.
         ends: vector from the first joint to the end of each link, m.
-        arms: matrix of the vectors a_ij of the module's docstring (m), shape (pieces, links).
+        products: matrix W of the module's docstring (kg m^2), shape (links, links).
+        moments: complex conjugate of B of the module's docstring (kg m), shape (links,).
         masses: mass of each piece, kg.
         inertias: moment of inertia of each piece about its middle, kg m^2.
         before: matrix with a 1 in row k and column i if link k lies between the root and link i of
@@ -138,9 +139,10 @@ class Chain:
         wires = np.repeat(np.arange(count), links)
         same = np.equal.outer(wires, wires)
         self.before = np.triu(same, 1).astype(complex)
-        self.arms = (self.before.T * self.ends)[own]
-        self.arms[np.arange(len(own)), own] = self.middles
-        self.products = np.conj(self.arms).T @ (self.masses[:, None] * self.arms)
+        arms = (self.before.T * self.ends)[own]  # the vectors a_ij of the module's docstring
+        arms[np.arange(len(own)), own] = self.middles
+        self.products = np.conj(arms).T @ (self.masses[:, None] * arms)
+        self.moments = np.conj(self.masses @ arms)
         self.inertia_matrix = np.diag(np.bincount(own, self.inertias))
         self.first = np.diff(wires, prepend=-1)
         self.apart = np.eye(self.links) - same * np.eye(self.links, k=1)
@@ -167,21 +169,27 @@ class Chain:
         """Return the hub angle (rad) of each link's wire, shape (..., links); ``time`` is in s."""
         return np.asarray(np.add.outer(self.speed * time, self.start_hub_angles))
 
-    def mass_matrix(self, turn: Complexes) -> Array:
-        """Return the mass matrix of the links (kg m^2) from their unit vectors e^{i theta}."""
-        return np.asarray(
-            (np.conj(turn)[:, None] * self.products * turn).real + self.inertia_matrix
-        )
+    def _roots(self, time: Any) -> Complexes:
+        """Return the position of the root of each link's wire (m), shape (..., links)."""
+        return np.asarray(np.multiply.outer(np.exp(1j * self.speed * time), self.start_roots))
 
-    def forces(self, time: float, angles: Array, motion: Kinematics) -> Array:
+    def mass_matrix(self, turn: Complexes) -> Array:
+        """Return the mass matrix of the links (kg m^2), shape (..., links, links).
+
+        ``turn`` are the unit vectors e^{i theta} of the links, shape (..., links).
+        """
+        coupled = np.conj(turn)[..., :, None] * self.products * turn[..., None, :]
+        return np.asarray(coupled.real + self.inertia_matrix)
+
+    def forces(self, time: Any, angles: Array, motion: Kinematics) -> Array:
         """Return the generalized forces on the links without those of contacts, N m.
 
         They consist of the centrifugal terms, gravity, and the torques of belt and hinges.
         """
-        turned = self.middles * motion.turn[self.pieces.links]
-        rates = motion.rates[self.pieces.links]
-        carried = motion.acceleration[self.pieces.links] - rates**2 * turned + 1j * self.gravity
-        inertia = (np.conj(1j * motion.turn) * ((self.masses * carried) @ np.conj(self.arms))).real
+        root = -(self.speed**2) * self._roots(time)
+        carried = self.moments * (root + 1j * self.gravity)
+        carried -= (motion.rates**2 * motion.turn) @ self.products.T
+        inertia = (np.conj(1j * motion.turn) * carried).real
         torques = self.stiffness * self._twists(angles, self.hub_angles(time))
         torques += self.damping * self._twists(motion.rates, self.speed)
         return np.asarray(-inertia - torques @ self.apart.T)
@@ -197,7 +205,7 @@ class Chain:
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return the positions and the motion of the links' first joints."""
         turn = np.exp(1j * angles)
-        root = np.multiply.outer(np.exp(1j * self.speed * time), self.start_roots)
+        root = self._roots(time)
         arms = self.ends * turn
         return Kinematics(
             turn,
@@ -207,14 +215,14 @@ class Chain:
             -(self.speed**2) * root - (rates**2 * arms) @ self.before,
         )
 
-    def jacobian(self, motion: Kinematics, link: int, arm: complex) -> Complexes:
+    def jacobian(self, motion: Kinematics, link: int, arm: Any) -> Complexes:
         """Return the Jacobian of a point's velocity in the angular velocities of the links, m.
 
         The point is fixed on the link of the index ``link``. ``arm`` is the vector from the first
         joint of this link to the present position of the point, m.
         """
         row = 1j * self.ends * motion.turn * self.before[:, link]
-        row[link] = 1j * arm
+        row[..., link] = 1j * arm
         return np.asarray(row)
 
     def points(self, motion: Kinematics, links: Any, arms: Any) -> tuple[Any, Any]:

@@ -26,7 +26,7 @@ from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Event, Follow, events_of
 from bristle_sim.reference.forces import Compliant, State, solve
 from bristle_sim.reference.log import Finished
-from bristle_sim.reference.system import System
+from bristle_sim.reference.system import Instant, System
 from bristle_sim.settings import StopReason
 
 # Least angular velocity that scales the absolute tolerances, rad/s. Where nothing moves, a scale of
@@ -129,16 +129,15 @@ class Run:
         """
         system = self.system
 
-        def motion(times: Array) -> list[State]:
-            """Return the states at times within the step, projected onto the closed gaps."""
-            pairs = zip(times.tolist(), values(times).T, strict=True)
-            return [system.closed(self._state(*each)) for each in pairs]
+        def motion(times: Array) -> Instant:
+            """Return the motion at times within the step, projected onto the closed gaps."""
+            return system.at(system.closed(self._state(times, values(times).T)))
 
         def along(event: Event, times: Array) -> Array:
             """Return the values of an event function at times within the step."""
-            return np.array([event.value(system.at(each)) for each in motion(times)])
+            return np.asarray(event.value(motion(times)))
 
-        instants = [system.at(each) for each in motion(nodes(start, end))]
+        sampled = motion(nodes(start, end))
         until = end
         first = None
         for event in events:
@@ -148,15 +147,18 @@ class Run:
                 end,
                 event.resolution,
                 0 if event.extreme else -event.direction,
-                np.array([event.value(at) for at in instants]),
+                event.value(sampled),
             )
             time = next((time for time, sense in changes if sense == event.direction), end)
             if time < until:
                 until = time
                 first = event
-        *between, self.state = motion(np.array([*system.log.times(start, until), until]))
-        for each in between:
-            self._sample(each)
+        times = [*system.log.times(start, until), until]
+        course = motion(np.array(times))
+        states = [State(*each) for each in zip(times, *course.state[1:], strict=True)]
+        for state, pushes in zip(states[:-1], course.balance.pushes, strict=False):
+            self._sample(state, pushes)
+        self.state = states[-1]
         sums = values(until)[2 * system.chain.links :].reshape(-1, 4)
         for contact, reached in zip(system.sustained, sums, strict=True):
             contact.sums = reached
@@ -217,12 +219,18 @@ class Run:
         sums = np.hstack([pushes, powers])
         return np.concatenate([instant.state.rates, accelerations, sums.ravel()])
 
-    def _state(self, time: float, values: Array) -> State:
-        """Return the state of the links from the array of all unknowns at a time in s."""
-        return State(time, *values[: 2 * self.system.chain.links].reshape(2, -1))
+    def _state(self, time: Any, values: Array) -> State:
+        """Return the state of the links from the unknowns at one or several times (s).
 
-    def _sample(self, state: State) -> None:
+        ``values`` has the shape (..., unknowns).
+        """
+        links = self.system.chain.links
+        return State(time, values[..., :links], values[..., links : 2 * links])
+
+    def _sample(self, state: State, pushes: Array | None = None) -> None:
+        """Record a state and the forces of the sustained contacts, which are computed unless given."""
         system = self.system
         points = [each.point for each in system.sustained]
-        pushes = system.at(state).balance.pushes
+        if pushes is None:
+            pushes = system.at(state).balance.pushes
         system.log.sample(state, zip(points, pushes, strict=True))

@@ -119,7 +119,7 @@ class System:
 
 
 class Instant:
-    """A state with its kinematics, its mass matrix, its forces and its contacts.
+    """A state, or the state at n instants, with its kinematics, mass matrix, forces and contacts.
 
     Each quantity is computed when it is first used, and then stored.
     """
@@ -163,7 +163,7 @@ class Instant:
         return balance(self.mass, self.forces, self.contacts)
 
     def gaps(self, name: str) -> Array:
-        """Return the gaps between the wires and the obstacle of the given name, m."""
+        """Return the gaps between the wires and the obstacle of the given name (m), shape (..., gaps)."""
         if name not in self._gaps:
             self._gaps[name] = self.system.obstacles[name].gaps(self.system.chain, self.motion)
         return self._gaps[name]
