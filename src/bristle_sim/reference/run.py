@@ -215,9 +215,11 @@ class Run:
         """
         instant = self.system.at(self._state(time, values))
         accelerations, pushes = instant.balance
-        powers = pushes * np.reshape([each.touch.velocity for each in instant.contacts], (-1, 2))
-        sums = np.hstack([pushes, powers])
-        return np.concatenate([instant.state.rates, accelerations, sums.ravel()])
+        sums = [
+            np.concatenate([push, push * each.touch.velocity])
+            for push, each in zip(pushes, instant.contacts, strict=True)
+        ]
+        return np.concatenate([instant.state.rates, accelerations, *sums])
 
     def _state(self, time: Any, values: Array) -> State:
         """Return the state of the links from the unknowns at one or several times (s).
