@@ -350,6 +350,15 @@ def test_the_knee_of_a_bent_wire_meets_the_workpart(angle: float, position: floa
     assert height[:, 1].min() <= 1e-7 * run.tool.bristle.length
 
 
+@pytest.mark.parametrize("solve", [bs.simulate, simulate_reference])
+def test_a_second_point_that_touches_beside_the_first_is_no_second_strike(solve) -> None:
+    """Knee and tip of a bent wire meet the workpart within one contact of 1 ms; the wire strikes once."""
+    tool = timed(1e-3).replace(knee_angle_deg=-40.0, knee_position=0.85)
+    run = solve(tool, stop_after="workpart release")
+    names = [each.name for each in run.events if each.name in {"strike", "workpart touch"}]
+    assert names == ["strike", "workpart touch"]
+
+
 def test_a_tip_that_has_left_its_dent_strikes_the_surface() -> None:
     """The first contact leaves a dent of 1 % of the length; the hop over it ends at the height of the workpart."""
     tool = bs.Tool().replace(contact="compliant", contact_duration=1e-4)

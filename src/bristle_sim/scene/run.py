@@ -249,12 +249,10 @@ def _touch_name(system: System, pair: ContactPair) -> str:
     ``workpart touch`` or ``wire touch``.
     """
     wire = system.wires_of(pair)[0]
-    size = system.mechanism.wire_links
-    touched = any(
-        contact.obstacle == "workpart" and wire in [link // size for link in links]
-        for contact, links in system.recording.contacts
+    struck = any(
+        event.name == "strike" and wire in wires for event, wires in system.recording.events
     )
-    return f"{pair.name} touch" if pair.name != "workpart" or touched else "strike"
+    return f"{pair.name} touch" if pair.name != "workpart" or struck else "strike"
 
 
 def _after_spring_event(
