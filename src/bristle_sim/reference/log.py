@@ -16,6 +16,7 @@ from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 
 STRIKE = "strike"
+EQUAL = 1e-8  # relative difference below which two retractions are equal
 
 
 class Finished(Exception):
@@ -105,13 +106,16 @@ class Record:
         for name, absence in ABSENCES.items():
             if name.split()[0] in obstacles and not self.times(absence):
                 self.event(name, states[-1].time)
-        # Of the extremes of the retraction up to the strike only the largest one is kept.
+        # Of the extremes of the retraction up to the strike only the largest one is kept, and of equal
+        # ones the first.
         strike = min(self.times(STRIKE), default=math.inf)
         reached = [state for state in states if state.time <= strike]
         turns = self.times(LARGEST_RETRACTION)
         turned = [state for state in reached if state.time in turns]
-        lowest = min([*turned, reached[0], reached[-1]], key=self.relative)
-        largest = lowest.time if self.relative(lowest) < 0.0 else math.nan
+        sizes = {state.time: self.relative(state) for state in (reached[0], *turned, reached[-1])}
+        lowest = min(sizes.values())
+        equal = (time for time, size in sizes.items() if size <= lowest + EQUAL * abs(lowest))
+        largest = next(equal) if lowest < 0.0 else math.nan
         kept = [e for e in self.events if e.name != LARGEST_RETRACTION or e.time == largest]
         time, angles, rates = map(np.array, zip(*map(self.own, states), strict=True))
         corners, velocities = self.chain.centre_line(time, angles, rates)

@@ -108,10 +108,11 @@ def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -
     """Return a wire's events in SI units; lesser maxima of the retraction are left out.
 
     The run has recorded every local maximum of the retraction. Of the maxima before the strike (or
-    before the end of a run without a strike) only the largest one is returned. The largest one is
-    left out too if the retraction is larger at the start of the run, at the strike or at the end. A
-    maximum that has stopped the run is always returned. If the wire has not touched the bar, or not
-    touched the workpart, an event at the end of the run states this.
+    before the end of a run without a strike) only the largest one is returned. Of several that are
+    equal within the run's accuracy it is the first. No maximum is returned if the retraction is
+    larger at the strike or the end, or as large at the start. A maximum that has stopped the run is
+    always returned. If the wire has not touched the bar, or not touched the workpart, an event at
+    the end of the run states this.
 
     Args:
         system: the system after its run.
@@ -130,12 +131,12 @@ def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -
     ]
     names = [event.name for event in found]
     strike = min([event.time for event in found if event.name == "strike"], default=math.inf)
-    before = lag[times <= strike]
     turns = [each.time for each in found if each.name == LARGEST_RETRACTION and each.time <= strike]
-    largest, time = max(
-        [(lag[np.searchsorted(times, turn)], turn) for turn in turns], default=(-math.inf, math.nan)
-    )
-    kept = [time] if largest >= max(before[0], before[-1], 0.0) else []
+    instants = [times[0], *turns, min(strike, end)]
+    retractions = lag[np.searchsorted(times, instants)]
+    largest = max(retractions)
+    equal = retractions >= largest - system.plan.accuracy * abs(largest)
+    kept = [instants[equal.argmax()]] if largest >= 0.0 else []
     if recording.stop_reason is StopReason.EVENT:
         kept.append(end)
     found = [each for each in found if each.name != LARGEST_RETRACTION or each.time in kept]
