@@ -16,7 +16,7 @@ from bristle_sim.settings import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactRecord, Event, Trajectory
 
 STRIKE = "strike"
-EQUAL = 1e-8  # relative difference below which two retractions are equal
+EQUAL = 1e-8  # difference below which two retractions are equal, rad
 
 
 class Finished(Exception):
@@ -114,7 +114,7 @@ class Record:
         turned = [state for state in reached if state.time in turns]
         sizes = {state.time: self.relative(state) for state in (reached[0], *turned, reached[-1])}
         lowest = min(sizes.values())
-        equal = (time for time, size in sizes.items() if size <= lowest + EQUAL * abs(lowest))
+        equal = (time for time, size in sizes.items() if size <= lowest + EQUAL)
         largest = next(equal) if lowest < 0.0 else math.nan
         kept = [e for e in self.events if e.name != LARGEST_RETRACTION or e.time == largest]
         time, angles, rates = map(np.array, zip(*map(self.own, states), strict=True))

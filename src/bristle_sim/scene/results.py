@@ -135,7 +135,7 @@ def _events(system: System, units: Units, wire: int, motion: dict[str, Array]) -
     instants = [times[0], *turns, min(strike, end)]
     retractions = lag[np.searchsorted(times, instants)]
     largest = max(retractions)
-    equal = retractions >= largest - system.plan.accuracy * abs(largest)
+    equal = retractions >= largest - system.plan.accuracy * system.plan.scale
     kept = [instants[equal.argmax()]] if largest >= 0.0 else []
     if recording.stop_reason is StopReason.EVENT:
         kept.append(end)
