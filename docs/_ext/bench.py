@@ -9,6 +9,7 @@
 Without playwright and a Chromium the picture is left out.
 """
 
+import functools
 import shutil
 import threading
 from pathlib import Path
@@ -27,6 +28,14 @@ from bristle_sim.cli.scenario import assigned, main_scenario
 SIZE = {"width": 1280, "height": 820}
 
 
+@functools.cache
+def served() -> int:
+    """Serve the bench until the build ends, and return the port: its processes load the libraries once for all pictures."""
+    serving = Server()
+    threading.Thread(target=serving.serve_forever, daemon=True).start()
+    return serving.server_port
+
+
 def picture(assignments: list[str], path: Path) -> bool:
     """Write the page of the bench as a browser shows it, and return whether that was possible."""
     chromium = next(
@@ -38,19 +47,16 @@ def picture(assignments: list[str], path: Path) -> bool:
         return False
     if chromium is None:
         return False
-    serving = Server()
-    threading.Thread(target=serving.serve_forever, daemon=True).start()
     query = urlencode([tuple(each.split("=", 1)) for each in assignments])
     with sync_playwright() as driver:
         browser = driver.chromium.launch(
             executable_path=chromium, args=["--no-sandbox", "--disable-background-networking"]
         )
         page = browser.new_page(viewport=SIZE)
-        page.goto(f"http://127.0.0.1:{serving.server_port}/?{query}")
+        page.goto(f"http://127.0.0.1:{served()}/?{query}")
         page.wait_for_selector("#legend span")  # of the map, which comes last
         page.screenshot(path=str(path))
         browser.close()
-    serving.shutdown()
     return True
 
 

@@ -1,13 +1,15 @@
 """The directive ``{keys}``: the keys of scenarios as a table, from the declarations that the command line reads."""
 
-import subprocess
-import sys
+import contextlib
+import io
 from typing import Any
 
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from tables import table_node
+
+from bristle_sim.cli import command
 
 HEAD = ("key", "default", "unit", "range")
 
@@ -19,10 +21,9 @@ class KeysDirective(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Return the table of a scenario's keys."""
-        command = [sys.executable, "-m", "bristle_sim", self.arguments[0], "--list-keys"]
-        head, _, _, *lines = subprocess.run(
-            command, capture_output=True, text=True, check=True
-        ).stdout.splitlines()
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            command.main([self.arguments[0], "--list-keys"])
+        head, _, _, *lines = printed.getvalue().splitlines()
         starts = [head.index(word) for word in HEAD]
         rows: list[list[str]] = []
         for line in lines:

@@ -8,9 +8,9 @@
 A scenario that takes longer than a build may is shown from the files in ``docs/kept``, which ``python docs/keep.py`` makes anew.
 """
 
+import contextlib
+import io
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +20,9 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from tables import table_node
 
+from bristle_sim.cli import command
+from bristle_sim.cli.scenario import load_scenario, script_paths
 from bristle_sim.comparison import Quantity, cells
-
-SECONDS = 1200
-"""A scenario that takes minutes on an idle machine belongs to docs/kept; a busy one takes several times as long."""
 
 GIVEN = ("name", "unit", "simulated", "theory", "reference", "printed", "tolerance", "label")
 """The fields of a quantity in JSON that the others follow from."""
@@ -32,28 +31,32 @@ LEFT_OUT = ("tolerance", "formula")
 """Columns of judged rows that JSON keeps for programs."""
 
 
-def run_scenario(
-    name: str, assignments: list[str], folder: Path, *, picture: bool
-) -> dict[str, Any]:
-    """Run a scenario in a folder and return its JSON, with its printed table and its picture's file.
+def run_scenario(name: str, assignments: list[str], folder: Path) -> dict[str, Any]:
+    """Run a scenario in a folder and return its JSON, with its printed table and its picture's file, if it has one.
+
+    It runs in this process, which has the libraries loaded already; loading them takes as long as most scenarios.
 
     Raises:
         RuntimeError: if the scenario refuses its input.
     """
     stem = "_".join([name, *assignments]).replace("=", "_").replace("/", "_")
     options = [part for each in assignments for part in ("--set", each)]
-    options += ["--json", f"{stem}.json"] + (["--plot", f"{stem}.png"] if picture else [])
-    done = subprocess.run(
-        [sys.executable, "-m", "bristle_sim", name, *options],
-        cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False,
-    )  # fmt: skip
-    if done.returncode == 2:
-        raise RuntimeError(done.stderr.strip())
+    drawn = load_scenario(script_paths()[name]).plot is not None
+    options += ["--json", f"{stem}.json"] + (["--plot", f"{stem}.png"] if drawn else [])
+    printed, said = io.StringIO(), io.StringIO()
+    with (
+        contextlib.chdir(folder),
+        contextlib.redirect_stdout(printed),
+        contextlib.redirect_stderr(said),
+    ):
+        status = command.main([name, *options])
+    if status not in (0, command.MISSED):
+        raise RuntimeError(said.getvalue().strip())
     found: dict[str, Any] = json.loads((folder / f"{stem}.json").read_text(encoding="utf-8"))
     return found | {
-        "printed": done.stdout,
-        "picture": f"{stem}.png" if picture else None,
-        "status": done.returncode,
+        "printed": printed.getvalue(),
+        "picture": f"{stem}.png" if drawn else None,
+        "status": status,
     }
 
 
@@ -86,8 +89,8 @@ class ScenarioDirective(SphinxDirective):
         else:
             key = (name, *assignments)
             known = self.env.app.scenarios  # type: ignore[attr-defined]
-            if key not in known or ("picture" in parts and not known[key]["picture"]):
-                known[key] = run_scenario(name, assignments, target, picture="picture" in parts)
+            if key not in known:
+                known[key] = run_scenario(name, assignments, target)
             found = known[key]
         shown = {
             "command": self._command,
