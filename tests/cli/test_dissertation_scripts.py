@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import runpy
 from collections import Counter
@@ -17,6 +18,14 @@ from bristle_sim.dissertation.figures import NUMBERS
 from bristle_sim.theory.force_history import BALL
 
 MEDIA = Path(__file__).parents[2] / "media"
+
+audited = functools.cache(audit_rows)
+
+
+@pytest.fixture(autouse=True)
+def one_audit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let all tests of this file show the rows of one audit, which takes seconds."""
+    monkeypatch.setattr("bristle_sim.dissertation.audit.audit_rows", audited)
 
 
 def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
@@ -42,7 +51,7 @@ def test_every_row_of_the_audit_has_a_verdict_that_the_counts_and_the_page_in_me
         assert isinstance(row["printed"], float | str)
         assert (row["computed"] is None) == (row["status"] == "not computable")
         assert row["why"] or row["status"] != "differs"
-    made = runpy.run_path(str(MEDIA / "make.py"))["audit_page"](audit_rows())
+    made = runpy.run_path(str(MEDIA / "make.py"))["audit_page"](audited())
     kept = (MEDIA / "audit.md").read_text(encoding="utf-8")
     places = [
         [line.split(" | ")[0] for line in text.splitlines() if line.startswith("|")]

@@ -24,7 +24,14 @@ from bristle_sim.theory.impact import energetic_impact
 CASES = {f"{theme}: {case.name}": case for theme, cases in TABLES.items() for case in cases()}
 
 
-@pytest.mark.parametrize("name", CASES)
+LONGEST = "long_run: 1000 hub turns, accuracy 1e-06"
+"""A case that takes as long as all others of its theme together."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.nightly] if name == LONGEST else []) for name in CASES],
+)
 def test_promise(name: str) -> None:
     finding = CASES[name].measure()
     assert finding.ok, finding.reached
@@ -32,6 +39,7 @@ def test_promise(name: str) -> None:
 
 def test_every_theme_can_be_chosen_and_every_case_has_a_name_of_its_own() -> None:
     assert tuple(TABLES) == THEMES
+    assert LONGEST in CASES
     assert len(CASES) == sum(len(list(cases())) for cases in TABLES.values())
 
 
