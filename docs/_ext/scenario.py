@@ -43,7 +43,8 @@ def run_scenario(name: str, assignments: list[str], folder: Path) -> dict[str, A
     options = [part for each in assignments for part in ("--set", each)]
     drawn = load_scenario(script_paths()[name]).plot is not None
     options += ["--json", f"{stem}.json"] + (["--plot", f"{stem}.png"] if drawn else [])
-    printed, said = io.StringIO(), io.StringIO()
+    printed = io.StringIO()
+    said = io.StringIO()
     with (
         contextlib.chdir(folder),
         contextlib.redirect_stdout(printed),
