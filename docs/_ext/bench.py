@@ -27,6 +27,9 @@ from bristle_sim.cli.scenario import assigned, main_scenario
 
 SIZE = {"width": 1280, "height": 820}
 
+PATIENCE = 600_000
+"""Longest wait for the page, ms. Alone the machine takes 8 s for it; the tests run beside the build."""
+
 
 @functools.cache
 def served() -> int:
@@ -53,6 +56,7 @@ def picture(assignments: list[str], path: Path) -> bool:
             executable_path=chromium, args=["--no-sandbox", "--disable-background-networking"]
         )
         page = browser.new_page(viewport=SIZE)
+        page.set_default_timeout(PATIENCE)
         page.goto(f"http://127.0.0.1:{served()}/?{query}")
         page.wait_for_selector("#legend span")  # of the map, which comes last
         page.screenshot(path=str(path))
