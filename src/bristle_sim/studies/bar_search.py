@@ -1,11 +1,12 @@
 """Search for the direction of the bar at which the strike is radial (a root), and for the direction
 at which the tip is fastest (a maximum).
 
-The bar moves around the hub's centre at the constant distance S = hypot(S_H, S_V), with S_H along
-the workpart and S_V normal to it. The retraction at the release, the angle by which the bristle is
-then behind the radial direction, is therefore constant. The bar's direction, measured from the
-workpart's normal, decides when the bristle is released. The larger this angle, the smaller the
-bristle's lag behind the radial direction at the strike.
+The bar is moved around the hub's centre at the constant distance S = hypot(S_H, S_V), with S_H
+along the workpart and S_V normal to it. The retraction, the angle by which the bristle is behind
+the radial direction when it slips off the bar, is therefore constant. The bar's direction is the
+angle from the workpart's normal to the line from the hub's centre to the bar. It decides when the
+bristle is released: the larger the direction, the smaller the bristle's lag behind the radial
+direction when it strikes.
 """
 
 from __future__ import annotations
@@ -34,21 +35,24 @@ Strikes = Callable[[Array], Mapping[str, NDArray[Any]]]
 If a bristle does not strike after leaving the bar, its measures are NaN, and the entry FAILURE has
 the reason."""
 
-# Tolerance of the bar's direction for a radial strike, rad: the error of the lag at the finest
-# accuracy
+# Tolerance of the bar's direction for a radial strike, rad. It equals the error of the lag in
+# passes of the finest accuracy.
 FINEST_DIRECTION = 1e-11
 # Tolerance of the direction for the fastest tip, rad. The relative error of the highest speed is
 # about the square of the tolerance.
 FINEST_MAXIMUM = 1e-5
 # Step between the directions of a first survey, rad: STEP if the passes are computed in arrays,
-# COARSE_STEP if they are simulated one by one. No range of directions with a strike is narrower.
+# COARSE_STEP if they are simulated one by one. No interval of directions that give a strike is
+# narrower than the step.
 STEP = math.radians(0.5)
 COARSE_STEP = math.radians(4.0)
-# Largest magnitude of the lag at which a strike counts as radial, deg. Where the bristle just
-# misses the bar, the lag jumps from one sign to the other without becoming so small.
+# Largest magnitude of the lag at which a strike counts as radial, deg. At directions where the
+# bristle just misses the bar, the lag jumps from positive to negative. Such a jump is no radial
+# strike.
 LAG_JUMP = 1e-4
-# Least angle beyond radial (deg) at which the bristle must strike for some direction of the bar, or
-# no strike counts as radial. A bristle that creeps to rest passes radial by rounding error alone.
+# Angle, deg. A strike counts as radial only if, at some direction of the bar, the bristle strikes
+# beyond the radial direction by more than this angle. An overdamped bristle that creeps towards the
+# radial direction passes it by rounding error alone.
 SWUNG = 0.01
 
 NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"
@@ -77,7 +81,7 @@ def placed(tool: Tool, direction: float) -> Tool:
 
 
 def centre_of(tool: Tool, directions: Number) -> dict[str, Number]:
-    """Return the coordinates of the bar's centre (m), by name, for given directions (rad).
+    """Return the coordinates of the bar's centre (m), by name, for directions of the bar (rad).
 
     The bar keeps its distance from the hub's centre.
     """
@@ -100,7 +104,7 @@ def bar_of(tool: Tool) -> Bar:
 
 
 def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
-    """Return a function that computes strikes for directions of the bar, and the step of a search.
+    """Return a function that computes strikes for directions of the bar, and the step of a survey.
 
     Returns:
         The function: it takes directions of the bar (rad) and returns the measures of the strikes.
@@ -118,8 +122,8 @@ def strikes_of(tool: Tool, settings: Settings) -> tuple[Strikes, float]:
 def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
     """Return the direction of the bar at which a bristle strikes radially, and this strike.
 
-    If several directions give a radial strike, the direction nearest to that of the cue formula is
-    returned.
+    If several directions give a radial strike, the result is the one nearest to the direction that
+    the cue formula gives.
 
     Args:
         tool: the tool.
@@ -158,7 +162,7 @@ def radial_place(tool: Tool, strikes: Strikes, step: float) -> Place:
 
 
 def _place(strikes: Strikes, direction: float) -> Place:
-    """Compute the strike with the bar at a given direction (rad), and return both.
+    """Return a direction of the bar (rad) with the measures of the strike that it gives.
 
     The measures are NaN if the bristle does not strike after leaving the bar.
     """
@@ -195,7 +199,7 @@ def fastest_place(strikes: Strikes, step: float, start: float) -> Place:
 def retraction(tool: Tool) -> float:
     """Return the retraction at which the bristle slips off the bar, rad.
 
-    The retraction is the angle by which the bristle is behind the radial direction.
+    The retraction is the angle of the bristle behind the radial direction.
     """
     bar = bar_of(tool)
     geometry = (tool.bar_reach, tool.hub.radius, tool.bristle.length)

@@ -4,7 +4,7 @@ tips slide on the workpart, and which retract at once?
 In the high-speed film (Zhang 2020, figs. 1.3 and 1.4, 2600 rpm) the forward bent tip retracts as
 soon as it strikes, while the other two slide first. The farther ahead a knee puts the tip, the
 sooner friction reverses the slip during the strike. The wire is a chain of links. The contact is a
-spring, whose stiffness would keep a rigid bristle in contact for the requested duration.
+spring. Its stiffness is such that a contact of a rigid bristle would last as long as requested.
 """
 
 from collections.abc import Mapping
@@ -64,7 +64,8 @@ class BentBristles:
 def slide_path(history: ContactHistory) -> Array:
     """Return the tip's displacement along the workpart since the first touch (m), shape (n,).
 
-    It is the time integral of the tangential velocity at the n samples, by the trapezoidal rule.
+    The array has one entry for each of the n samples of ``history``. The displacement is the time
+    integral of the tangential velocity, by the trapezoidal rule.
     """
     speed = history.tangential_velocity
     steps = 0.5 * np.diff(history.time) * (speed[1:] + speed[:-1])

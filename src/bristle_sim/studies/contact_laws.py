@@ -33,8 +33,8 @@ class Impacts:
         contact: the contact law that the user requested, with its parameters.
         strikes: simulated impact by each contact law, by the name of the law.
         refusals: reason why a law cannot compute the impact, by the name of the law.
-        timing: sentence that states how the contact's duration was chosen, for laws in which it is
-            not zero.
+        timing: sentence that states how the duration of the contact was chosen, for laws with a
+            contact of finite duration.
     """
 
     chain: Chain
@@ -140,7 +140,7 @@ def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
     (normal, coupling), (_, tangential) = inverse_mass.tolist()
     slip = impact.phase_slip
     friction = np.array([surface.friction, surface.friction, later, later])
-    # In slip at rest, in restitution, friction only keeps the tip on the surface.
+    # Friction in restitution is at most so large that it keeps the normal velocity constant.
     friction[2:] *= normal / np.maximum(normal, slip[2:] * coupling * later)
     stick = -coupling / tangential if tangential > 0.0 else 0.0
     ratios = np.where(slip, -friction * slip, stick)
@@ -155,8 +155,8 @@ def recorded_course(history: ContactHistory) -> ImpulseCourse:
     """Return the contact point's velocities as functions of the normal impulse, for a contact
     resolved in time.
 
-    The normal impulse is the time integral of the recorded normal force, interpolated by cubic
-    splines in each phase.
+    The normal impulse is the time integral of the recorded normal force. In each phase of the
+    contact the force is interpolated by a cubic spline.
     """
     impulse = integral(history.time, history.normal_force)
     return ImpulseCourse(impulse, history.normal_velocity, history.tangential_velocity)

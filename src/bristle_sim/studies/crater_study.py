@@ -200,11 +200,11 @@ def _contact_depths(
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return the crater depths (m) that follow from the simulated contact, and from theory.
 
-    A depth assumes that the shear plane ends at one of two surfaces: a surface parallel to the
+    Each depth assumes that the shear plane ends at one of two surfaces: a surface parallel to the
     tip's path, or the real surface, which is inclined to the path.
 
-    In theory the contact is a rigid-body impact whose force is a quarter of a sine wave. The
-    bristle of mass m and tip speed v loses the momentum m v/3 and the energy m v^2/6 along the
+    The theory assumes a rigid-body impact whose force over time is a quarter of a sine wave. A
+    bristle of mass m and tip speed v then loses the momentum m v/3 and the energy m v^2/6 along the
     path.
 
     Returns:

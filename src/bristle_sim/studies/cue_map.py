@@ -131,7 +131,8 @@ def cue_map(
         printed = dict(zip(names, printed_cue().values(), strict=True))
     if with_reference:
         referred = _referred(tool, settings, radial, fastest)
-        # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
+        # A relative error of the motion changes the bar's direction by about the same angle. The
+        # relative error of S_V is larger by S_H/S_V, that of S_H by S_V/S_H.
         tolerance = 10.0 * max(1e-8, settings.accuracy)
         steep = abs(math.tan(radial.direction))
         within = dict.fromkeys(QUANTITIES, tolerance) | {
@@ -163,9 +164,9 @@ def _referred(
 ) -> Values:
     """Return the study's quantities, computed with the independent reference solver.
 
-    It solves passes with directions of the bar close to the two directions found by simulation.
-    Linear interpolation gives the direction of a radial strike; a parabola gives the direction of
-    the highest tip speed.
+    The solver computes passes with directions of the bar close to ``radial`` and ``fastest``, the
+    two directions found by simulation. Linear interpolation of the lag gives the direction of a
+    radial strike. A parabola through tip speeds gives the direction of the highest tip speed.
     """
     from bristle_sim.reference import simulate_reference
 

@@ -269,9 +269,9 @@ def _timed(
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
-    """Return the cue of a simulated release (Zhang 2020, eq. 2.1).
+    """Return the bar position, cue time and highest speed of a release (Zhang 2020, eq. 2.1).
 
-    It is None if the angular velocity relative to the hub has no maximum.
+    The result is None if the angular velocity relative to the hub has no maximum.
     """
     time = run.event_time("highest relative speed")
     if time is None:

@@ -1,5 +1,7 @@
-"""Design: finds a tool, with parameters in given ranges, whose pass attains target values, and how
-sensitive the pass is to each parameter. A pass is the trip of one bristle past bar and workpart.
+"""Design of a tool: search for parameters in given ranges with which a pass attains target values.
+
+A pass is the trip of one bristle past bar and workpart. The design also states how sensitive the
+pass is to each parameter.
 """
 
 from __future__ import annotations
@@ -31,20 +33,20 @@ from bristle_sim.studies.many_passes import (
 from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
 from bristle_sim.units import likely_key, shown
 
-# Largest deviation from a target value at which the target still counts as met: KEPT relative to
-# the target, KEPT_DEG in deg for angles.
+# Largest deviation from a target value at which the target still counts as met. For angles it is
+# KEPT_DEG, in deg; for other quantities it is the fraction KEPT of the target value.
 KEPT = 0.01
 KEPT_DEG = 1.0
-# Changes of a parameter at which deviations from the targets are computed, divided by the change to
-# the end of the parameter's range. Consecutive changes differ by 0.7 %.
+# Changes of a parameter at which the deviations from the target values are computed, as fractions
+# of the distance from the designed value to the end of the range. Consecutive ones differ by 0.7 %.
 DISTANCES = np.geomspace(1e-6, 1.0, 2000)
-# A quantity jumps if two difference quotients, one with a finer step and one with the step
-# COARSE_DIFFERENCE (a fraction of the parameter's range), differ by more than the fraction SMOOTH.
+# A quantity counts as jumping if two difference quotients differ by more than the fraction SMOOTH.
+# One has the step COARSE_DIFFERENCE (a fraction of the parameter's range), the other a finer step.
 # Changes over the range of less than LEAST_CHANGE times the quantity count as rounding error.
 COARSE_DIFFERENCE = 1e-4
 SMOOTH = 0.1
 LEAST_CHANGE = 1e-4
-MOST = 1e12  # largest magnitude of a wanted value, in the quantity's unit
+MOST = 1e12  # largest permitted magnitude of a target value, in the quantity's unit
 
 DRAWN_BY = "bristle_sim.render.sweep_figures"  # in a higher layer, imported only when a picture is requested
 
@@ -82,14 +84,14 @@ class Design:
             pass lacks.
         sensitivity: derivatives of the quantities with respect to each parameter; NaN if the
             quantity jumps at the designed tool.
-        kept: lowest and highest value of each parameter at which all quantities stay within 1 % or
-            1 deg of their target values, while the other parameters do not change.
+        kept: lowest and highest value of each parameter at which all quantities stay within 1 %
+            (angles within 1 deg) of their target values, while the other parameters do not change.
         conflict: names of the quantities whose target values or upper limits cannot be met
             together; empty if all are met.
         trade_off: values of two conflicting quantities, and of the varied parameters, along the
             curve of best compromises between the two quantities. The keys are their names. It is
             empty unless exactly two quantities conflict.
-        check: agreement of the vectorised passes, which the search uses, with simulations.
+        check: agreement between simulations and the fast vectorised passes of the search.
     """
 
     answer: str
@@ -143,8 +145,8 @@ def design(
     251.63 rad/s, 50.878 mm
 
     Args:
-        tool: the tool that gives the values of the parameters that are not varied; by default the
-            dissertation's.
+        tool: the tool, whose parameters keep their values unless ``vary`` names them; by default
+            the dissertation's.
         want: target values of quantities of ``bristle-sim cue_and_impact``, as numbers in its units
             or texts with a unit.
         vary: lower and upper bound of each parameter to vary.
@@ -248,8 +250,8 @@ def _found(search: Search) -> Design:
 def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
     """Return the derivatives of the quantities with respect to each parameter, in SI units.
 
-    A derivative is NaN if the quantity jumps at the designed tool. A jump is recognised by a
-    difference quotient that grows as its step shrinks.
+    A derivative is NaN if the quantity jumps at the designed tool. The sign of a jump is that
+    difference quotients with a coarse and with a fine step differ.
 
     ``place`` holds the parameters of the designed tool as fractions of their ranges.
     """
@@ -272,8 +274,8 @@ def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
 def _kept(search: Search, place: Array) -> dict[str, tuple[float, float]]:
     """Return the lowest and highest value of each parameter at which all targets stay met.
 
-    The other parameters do not change. ``place`` holds the parameters of the designed tool as
-    fractions of their ranges.
+    A target is met within the deviation KEPT or KEPT_DEG. The other parameters do not change.
+    ``place`` holds the parameters of the designed tool as fractions of their ranges.
     """
     fractions = np.tile(place[:, np.newaxis], 2)  # lower and upper end
     for row, side in np.ndindex(fractions.shape):

@@ -1,8 +1,8 @@
-"""Search for a tool, with some parameters in given ranges, whose pass attains target values. The
-passes are computed in arrays.
+"""Search for a tool, with some parameters in given ranges, whose pass attains target values.
 
-Every parameter is expressed as a fraction, from 0 to 1, of its range. The passes at the points of a
-Sobol sequence are computed first. The best of these points are starting points of the search.
+A pass is the trip of one bristle past bar and workpart; many passes are computed at once, in
+arrays. Every parameter is expressed as a fraction of its range, from 0 to 1. The passes at the
+points of a Sobol sequence are computed first, and the best of these points start the search.
 Differential evolution (R. Storn and K. Price, *Journal of Global Optimization* 11 (1997) 341-359),
 with an exact penalty on deviations from the conditions, gives further starting points. From each
 starting point the method of least squares finds a point that meets the conditions. Sequential
@@ -38,15 +38,16 @@ NEAR = 2  # decimals of the fractions; of points that agree to these decimals on
 # error of the passes.
 DIFFERENCE = 1e-5
 SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
-# Penalty added to the goal for a deviation of one standard deviation from a condition. The goal
-# itself changes by only a few of its standard deviations.
+# Penalty that is added to the objective if a quantity deviates from its condition by one standard
+# deviation. The objective itself varies by only a few of its standard deviations.
 PENALTY = 30.0
-NO_STRIKE = 1e6  # value that replaces the goal where a pass lacks the quantities
+NO_STRIKE = 1e6  # value that replaces the objective where a pass lacks a quantity
 MET = 1e-6  # largest deviation at which a condition counts as met, in standard deviations
 DIGITS = 12  # decimals of a parameter's fraction of its range; further ones are rounding error
 MOST_STEPS = 60  # largest number of iterations of a refinement
 CURVE_POINTS = 25
-# weight of the conditions that a point on the curve of compromises must meet, to about 1e-6
+# Weight of the conditions that every point on the curve of compromises must meet, to about 1e-6;
+# the condition that is sacrificed has the weight 1
 STIFFNESS = 1e3
 
 Function = Callable[[Array], Array]
@@ -127,15 +128,14 @@ class Search:
     def keys_at(self, fractions: Array) -> dict[str, Array]:
         """Return the values of the varied parameters at given points, by name.
 
-        ``fractions`` are the points: values as fractions of their ranges, shape (parameters,
-        points).
+        ``fractions`` holds the parameters as fractions of their ranges, shape (parameters, points).
         """
         return values_at(self.vary, fractions)
 
     def passes(self, fractions: Array) -> dict[str, Array]:
         """Compute the pass of the tool at each point, and return the results by name.
 
-        ``fractions`` are the parameters as fractions of their ranges, shape (parameters, points).
+        ``fractions`` holds the parameters as fractions of their ranges, shape (parameters, points).
         """
         return pass_quantities(self.tool, SETTINGS, **self.keys_at(fractions))
 
@@ -264,7 +264,7 @@ class Search:
         return np.array(curve[::-1]).T
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
-        """Return the largest magnitude of weighted deviations from the conditions at a point."""
+        """Return the largest weighted deviation from a condition at a point, a magnitude."""
         return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
 
     def _closest(self, start: Array, function: Function) -> Array:
@@ -287,9 +287,10 @@ class Search:
     def _improved(self, start: Array) -> Array:
         """Return the point near ``start`` of least objective, subject to the conditions.
 
-        Where the outcome of a pass changes, the objective and the conditions jump. The minimisation
-        may then end at a point that is worse than another one on its way, or that violates a
-        condition. The best point on its way that meets the conditions is then returned.
+        Where the outcome of a pass changes, objective and conditions jump. The minimisation may
+        then end at a point that violates a condition, or that is worse than a point of an earlier
+        iteration. In that case the best point of all iterations that meets the conditions is
+        returned.
         """
         way = [start]
         value, slopes = with_derivatives(
@@ -318,20 +319,20 @@ class Search:
         met = np.max(np.abs(self.misses(places)), axis=0, initial=0.0) <= MET
         costs = np.where(met, self.costs(places)[0], np.nan)
         best = int(np.nanargmin(costs))
-        # A point that violates a condition by up to MET has gained a few MET of the objective.
+        # A violation of a condition by up to MET lowers the objective by a few MET. The last point
+        # is therefore kept if its objective exceeds the lowest one by at most 10 MET.
         last = costs[-1] <= costs[best] + 10.0 * MET
         return np.asarray(places[:, -1 if last else best])
 
 
 def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Function, Function]:
-    """Return two functions that take one point and return values and derivatives of ``function``.
+    """Return two functions of one point: the values of ``function``, and its derivatives.
 
     A coordinate of a point is a parameter as a fraction of its range. ``function`` itself takes an
-    array of points. The derivatives are difference quotients between points that are inside the
-    ranges, at most ``step`` from the given point. A derivative
-    that is not finite is replaced by 0. The values have the shape (values,), the derivatives
-    (values, parameters). One call of ``function`` computes both, and both are stored until the
-    point changes.
+    array of points. The derivatives are difference quotients between points inside the ranges, at
+    most ``step`` from the given point. A derivative that is not finite is replaced by 0. The values
+    have the shape (values,), the derivatives (values, parameters). One call of ``function`` gives
+    values and derivatives at a point. Those of the two latest points are stored.
     """
 
     @functools.lru_cache(maxsize=2)

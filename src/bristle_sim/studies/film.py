@@ -1,11 +1,11 @@
 """The contact stiffness and wire damping that would explain the high-speed film and the crater: a
-map over both, and the pair that comes nearest.
+map over stiffness and damping, and the pair of values whose strike comes nearest to both records.
 
 Film and micrograph give three facts of a strike of a straight wire: it touches once, compression
 lasts about 50 us, and the crater is 130 um deep. Neither the contact's stiffness nor the damping
-was measured. The stiffness is specified here by the duration of the contact that a rigid bristle
-would have. Each point of the map is a pass of a wire of links, simulated to half a millisecond
-after the first touch. The wire already vibrates when it strikes.
+was measured. The stiffness is stated here as the duration that the contact of a rigid bristle would
+have. Each point of the map is a pass of a wire of links, simulated to half a millisecond after the
+first touch. The wire already vibrates when it strikes.
 """
 
 import dataclasses
@@ -59,11 +59,11 @@ NEAREST = {
 }
 """Position of the nearest point on the map: label and unit."""
 
-# Largest relative difference at which a measured value counts as explained: about the reading error
-# of film and micrograph
+# Largest relative difference from a measured value at which the value counts as explained. It is
+# about the reading error of film and micrograph.
 EXPLAINED = 0.1
-# Contact duration of the passes that find the instant of the strike, s; it has no effect before the
-# strike
+# Contact duration of the passes that find the instant of the strike, s. The motion before the
+# strike does not depend on it.
 ANY_DURATION = 1e-4
 
 
@@ -201,7 +201,7 @@ def simulate_variant(settings: Settings, tool: Tool, /, **keys: float) -> dict[s
     """
     with warnings.catch_warnings(
         action="ignore", category=UnusualValueWarning
-    ):  # the map's values are not typed
+    ):  # the user has not typed the values of the map
         tool = tool.replace(**keys)
         until = _strike_time(tool.replace(contact_duration=ANY_DURATION), settings) + FOLLOWED
     run = simulate(tool, dataclasses.replace(settings, hub_turn=tool.hub.speed * until))

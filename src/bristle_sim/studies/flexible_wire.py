@@ -2,9 +2,9 @@
 same stiffness.
 
 The end of a straight radial wire strikes while the whole wire turns at one angular velocity. The
-contact is a spring with energetic restitution. Its stiffness is specified by the duration of the
-contact that the rigid bristle would have. Unlike an instantaneous impact, this strike converges as
-the number of links grows.
+contact is a spring with energetic restitution. The spring's stiffness is stated as the duration
+that the contact of the rigid bristle would have. Unlike the results of an instantaneous impact,
+those of this strike converge as the number of links grows.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ REFERENCE_ACCURACY = 1e-9
 # slip, which the reference then resolves by shorter steps.
 REFERENCE_FRICTION = 10.0
 STUDY_ACCURACY = 1e-4  # accuracy of the strikes in the figure: errors far below the width of a line
-# Durations of the rigid bristle's contact, divided by the requested duration. They stand for the
-# contact stiffnesses of the figure.
+# Contact stiffnesses of the figure, each stated as the duration that the contact of the rigid
+# bristle has, divided by the requested duration
 STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 
 ALONE = "There is a reference for the frequencies alone"
@@ -89,8 +89,8 @@ class FlexibleStrike:
     def stiffness(self) -> float:
         """Stiffness of the contact, N/m.
 
-        It follows from the duration of the rigid bristle's contact and the inverse normal mass at
-        its tip, K_nn = L^2 sin^2(gamma)/I, with the inertia I about the root.
+        It follows from a rigid bristle's contact duration and inverse normal mass at the tip, K_nn
+        = L^2 sin^2(gamma)/I, with length L, impact angle gamma, and inertia I about the root.
         """
         bristle = self.tool.bristle
         part = self.tool.workpart
@@ -223,7 +223,7 @@ def _answer(
 
 
 def second_touch(wire: ChainStrike) -> float | None:
-    """Return the time (s) between the first two touches of the wire's end; None for only one."""
+    """Return the time (s) between the first two touches of the wire's end; None for one touch."""
     depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
     deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
     return float(wire.time[np.argmax(deeper)]) if deeper.any() else None
@@ -285,7 +285,7 @@ def _frequencies(tool: Tool, with_reference: bool) -> tuple[Quantity, ...]:
     beam = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus)
     wire = (*beam, tool.belt.stiffness)
     chain = chain_frequencies(*wire, bristle.links)
-    # The mode 0 swings on the belt.
+    # Mode 0, the swing of the wire on the belt, is left out.
     simulated, theory, reference = (
         dict(zip(FREQUENCIES, modes[1:], strict=False))
         for modes in (wire_frequencies(tool), beam_frequencies(*wire, 3), chain)
@@ -294,7 +294,7 @@ def _frequencies(tool: Tool, with_reference: bool) -> tuple[Quantity, ...]:
         reference = {}
     within = {}
     for name, value in reference.items():
-        # Rounding of the largest eigenvalue, as an error of the square.
+        # Eigenvalues are squared frequencies, with the rounding error of the largest one.
         rounding = math.ulp(1.0) * (chain[-1] / value) ** 2
         if rounding < 1.0:
             within[name] = max(1e-6, rounding)
@@ -333,7 +333,7 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return the measures divided by the rigid bristle's; NaN if a contact does not end."""
+        """Return measures divided by the rigid bristle's; NaN for a contact that does not end."""
         found = []
         for each in strikes:
             try:

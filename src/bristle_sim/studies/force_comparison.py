@@ -41,8 +41,8 @@ PRINTED = {
 # Largest root mean square difference, divided by the peak force, at which a record counts as having
 # the form of eq. 3.3. A half sine differs by 0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22.
 FORM = 0.05
-# Largest excess of the mean square residual over the noise that is attributed to chance, in
-# standard deviations of this excess
+# Largest excess of the mean square residual over the variance of the noise that is attributed to
+# chance, in standard deviations of this excess
 CERTAIN = 5.0
 
 
@@ -117,9 +117,9 @@ def force_comparison(
         contact = timed_contact(hub, bristle, surface, gamma, settings, **timed)
     except ValueError as error:
         no_contact = str(error)
-    # A time or impulse that is taken from the curve agrees by construction, to ten times the
-    # tolerance of the adjustment.
-    # A measured record that no contact of this bristle can have is compared with nothing.
+    # The contact is adjusted to the curve's time or impulse unless the user gives other values. The
+    # adjusted values agree by construction, to ten times the tolerance of the adjustment. Nothing
+    # is compared if no contact of this bristle can have the values of a measured record.
     within = dict[str, float]()
     if contact is not None or measured is None:
         allowed = 10.0 * max(1e-6, settings.accuracy)
@@ -218,11 +218,11 @@ def _misfit(measured: MeasuredForce) -> Quantity:
 
     The measurement noise, which is estimated from second differences of the force, is subtracted.
     """
-    second = np.diff(measured.force, 2)  # their variance is 6 times a point's
+    second = np.diff(measured.force, 2)  # variance: 6 times that of the noise at a point
     peak = measured.fit.curve.peak_force()
     noise = float(second @ second) / 6.0 / second.size / peak**2
-    # Over n points, squared residuals have a variance of 2 noise^2/n, squared second differences of
-    # 3.9 noise^2/n.
+    # ``noise`` is a variance. The mean of n squared residuals has the variance 2 noise^2/n, that of
+    # n squared second differences, divided by 6, the variance 3.9 noise^2/n.
     chance = CERTAIN * math.sqrt(6.0 / measured.force.size) * noise
     misfit = math.sqrt(max(0.0, (measured.fit.root_mean_square / peak) ** 2 - noise))
     within = math.sqrt(FORM**2 + chance)

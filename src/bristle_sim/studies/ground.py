@@ -29,8 +29,8 @@ from bristle_sim.parameters import Blasting
 from bristle_sim.theory.crater_body import CraterBody
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles, section_heights
 
-# Number of strikes between two searches for the highest cell. The height of this cell limits the
-# cells that a strike can cut. It never rises, so an older value is safe.
+# Number of strikes between two searches for the highest cell. Its height bounds the region that a
+# strike can cut. Strikes only lower cells, so an older value is still an upper bound.
 HIGHEST_EVERY = 64
 # Width of a cell across the slide, divided by its length along the slide. Cells are shorter along
 # the slide, since Rz is measured in that direction and the ridges are sharp.
@@ -246,9 +246,9 @@ def blast(blasting: Blasting, body: CraterBody, rate: float) -> Blasted:
             number = blasting.passes * rate * area / (blasting.track_width * blasting.feed_speed)
         return _blasted(blasting, body, number)
     wanted = _avrami(blasting.coverage)
-    if blasting.places == "random":  # by far enough strikes: rule plane is covered least
+    if blasting.places == "random":  # enough even for the rule ``plane``, which covers least
         return _blasted(blasting, body, 4.0 * wanted * area / body.area() + 100.0)
-    number = wanted * (area / body.area())  # strikes fall nearly as ln(1 - coverage)
+    number = wanted * (area / body.area())  # about proportional to -ln(1 - coverage)
     for _ in range(COVERAGE_ROUNDS):
         found = _blasted(blasting, body, number)
         reached = found.ground.coverage
@@ -289,8 +289,8 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
     depths = body.depth * (1.0 + blasting.depth_scatter * scatter)
     places = _places(blasting, number, random)
     ground = Ground(body, blasting)
-    # The lowest point comes to rest over the middle of a cell, or the cells would miss the sharp
-    # ends of valleys
+    # The lowest point of each crater is moved to the middle of a cell. Elsewhere the cells would
+    # miss the sharp ends of valleys.
     lowest = np.rint((places[:, 0] + body.lowest) / ground.step)
     places[:, 0] = lowest * ground.step - body.lowest
     wanted = math.inf

@@ -160,7 +160,7 @@ def _one_rod(
         theory.pop("tangential_compressive_impulse", None)
         theory.pop("tangential_compressive_work", None)
     hidden = HEIGHT_ROUNDING * (1.0 + chain.hub_radius / chain.lengths[0])
-    # A rate after the impact has the rounding of the rate before it.
+    # The angular velocity after the impact has the absolute rounding error of the one before.
     at_rest = HEIGHT_ROUNDING / max(abs(theory.get("rebound_ratio", math.inf)), AT_REST)
     rounding = dict.fromkeys(labels, hidden / math.sin(gamma))
     for name in ("final_bristle_rate", "rebound_ratio"):
@@ -201,12 +201,12 @@ def double_pendulum(
     theory = {name: float(getattr(closed_form, name)) for name in labels}
     if not one.kinetic_energy[0]:
         del theory["kinetic_energy_ratio"]
-    # Friction amplifies the rounding of a rod's angle; the factor is the friction itself for a rod
-    # along the surface.
+    # Friction mu amplifies the rounding error of the second rod's angle; for a rod that lies along
+    # the surface the factor is mu.
     along = abs(math.cos(angles[1]))
     across = abs(math.sin(angles[1]))
     rubbed = surface.friction / max(across + surface.friction * along, AT_REST)
-    # An approach that is the difference of two almost equal speeds has the rounding of the speeds.
+    # The difference of two almost equal speeds of approach has the rounding error of the speeds.
     speeds = [rate * math.sin(angle) for rate, angle in zip(rates, angles, strict=True)]
     cancelled = sum(map(abs, speeds)) / max(abs(sum(speeds)), sys.float_info.min)
     magnified = max(pendulum.mass_ratio, rubbed, cancelled)
@@ -234,10 +234,10 @@ def _compared(
     Args:
         labels: label and unit of each quantity, by name.
         simulated, theory: values by name.
-        tolerance: accepted relative difference without rounding error. None if the values need not
-            agree with theory.
-        rounding: relative rounding error, amplified by the geometry, of each value, by name. It is
-            added to the tolerance.
+        tolerance: accepted relative difference, to which ``rounding`` is added. None if the values
+            need not agree with theory.
+        rounding: relative rounding error of each value, by name. It depends on the geometry of the
+            impact.
         least: largest magnitude of a value that counts as 0, by name.
 
     Returns:

@@ -100,7 +100,8 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     with_bar = simulate(tool, settings, stop_after="strike")
     strike_speed = _tip_speed_at_strike(with_bar)
     simulated = _values(tool, run, radial, strike_speed)
-    # The error of the motion is relative to the first rate; a slow return magnifies it.
+    # The error of the angular velocity is a fraction of the hub speed, the initial relative angular
+    # velocity. If the bristle returns more slowly, the relative error is larger.
     slow = 1.0
     fields = {}
     if radial is not None:
@@ -109,7 +110,8 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     if not fields.get("not_reached"):
         fields["not_reached"] = with_bar.accuracy_not_reached
     allowed = slow * max(1e-8, 10.0 * settings.accuracy)
-    # The bar-cued strike has an error of ten times the accuracy of the motion.
+    # The pulley speed of equal tip speed follows from the strike of the tool with a bar, whose
+    # error is ten times as large.
     within = dict.fromkeys(QUANTITIES, allowed) | {"hub_speed_for_equal_tip_speed": 10.0 * allowed}
     reference = _reference(tool) if with_reference else {}
     theory = _theory(tool, strike_speed)
@@ -181,9 +183,9 @@ def _equal_hub_speed(
 ) -> float | None:
     """Return the pulley speed at which the tip is as fast as in the tool with a bar, rad/s.
 
-    The tip speed without the bar is that at the instant at which the bristle is radial again. The
-    secant method finds the pulley speed. The result is None if the bristle lags by 90 deg, or if
-    the method does not converge.
+    Without a bar the tip speed is taken when the bristle is radial again. The secant method finds
+    the pulley speed. The result is None if at a tried speed the bristle does not become radial
+    again, or if the method does not converge.
 
     Args:
         tool: the tool.
@@ -208,7 +210,7 @@ def _equal_hub_speed(
         return float(
             newton(missing, tool.hub.speed, x1=guess, tol=1e-300, rtol=1e-11, maxiter=TRIES)
         )
-    except RuntimeError:  # the bristle leans over, or the last try was not close enough
+    except RuntimeError:  # the bristle does not return, or the secant method does not converge
         return None
 
 

@@ -22,8 +22,8 @@ from bristle_sim.studies.pass_invariants import X_Y, Points
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.interpolation import cubics
 
-# Smallest step between tried pitches, rad. If the distance of the wires has a minimum in between,
-# the minimum is refined.
+# Smallest step between tried pitches, rad. If the distance of the wires has a minimum between tried
+# pitches, the minimum is located exactly.
 PITCH_STEP = math.radians(0.25)
 PITCH_TOLERANCE = 1e-9  # largest error of the least pitch, rad: 6e-8 deg
 # Number of equally spaced instants of a pass at which the distance is computed, besides the
@@ -44,11 +44,12 @@ NEXT_SEARCH = 1e-6
 class LeastPitch:
     """The angle between neighbouring bristles above which their wires do not touch.
 
-    Only touches up to the instant ``until`` of the pass count.
+    A pass is the trip of one bristle past bar and workpart. Only its touches up to the instant
+    ``until`` count.
 
     Attributes:
-        name: name of the quantity.
-        until: the instant, s; None if there is no strike.
+        name: name under which a report lists the pitch.
+        until: latest instant of a touch that counts, s; None if there is no strike.
         of_follower: whether ``until`` is measured in the pass of the following bristle, which is
             delayed by the pitch, instead of the pass of the leading bristle.
         by_theory: the pitch that follows from the motion of a lone bristle, deg; None if it was not
@@ -78,7 +79,7 @@ def polyline_distance(first: Points, second: Points) -> Array:
         """
         along = np.diff(line)[:, np.newaxis]
         from_start = points[:, :, np.newaxis] - line[:, np.newaxis, :-1]
-        place = np.conj(along) * from_start / abs(along) ** 2  # over the segment's length
+        place = np.conj(along) * from_start / abs(along) ** 2  # 0 to 1 along the segment
         away = abs(place - np.clip(place.real, 0.0, 1.0)) * abs(along)
         return away.min(axis=(1, 2)), place.imag[:, 1:] * place.imag[:, :-1] < 0.0
 
@@ -157,7 +158,7 @@ def least_pitch(
     last = float(lone.time[-1])
 
     def gap(pitch: float) -> float:
-        """Return the smallest gap between the two wires at a pitch, m."""
+        """Return the smallest gap between the two wires (m) at a pitch (rad)."""
         delay = pitch / lone.hub_speed if of_follower else 0.0
         return nearest_approach(lone, pitch, min(until + delay, last)) - wire_diameter
 
@@ -202,7 +203,7 @@ def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
         words,
         until,
         own,
-    ) in instants:  # each instant counts fewer touches than the one before, so its pitch is smaller
+    ) in instants:  # each entry counts fewer touches than the one before, so its pitch is smaller
         theory = None
         if until is not None and searched:
             largest = least_pitch(

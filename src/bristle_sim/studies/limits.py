@@ -35,8 +35,8 @@ class Change:
         below: outcome below the value.
         above: outcome above the value.
         confirmed: whether simulations just below and just above the value have these outcomes. The
-            simulated values are a ten-thousandth of the searched range away, or less if another
-            change is near.
+            simulated values differ from ``at`` by a ten-thousandth of the searched range, or by
+            less if another change is near.
     """
 
     at: float

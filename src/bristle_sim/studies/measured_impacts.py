@@ -228,7 +228,7 @@ def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
     from scipy.optimize import minimize
 
     def misfit(at: Array) -> float:
-        """Return the mean relative error of the velocities for given coefficients."""
+        """Return the mean relative error of the velocities with friction and restitution ``at``."""
         return train.misfit(train.predicted(law, *bounded(at)))
 
     def bounded(at: Array) -> tuple[float, float]:
@@ -279,8 +279,8 @@ def measured_impacts(measured: Measured) -> Report:
 def ellipse_errors(ellipse: Ellipse, compliance: float) -> dict[str, float]:
     """Fit each contact law to every second impact, and return its mean error on the other impacts.
 
-    The result also has the number of impacts, the error of the best impulses, and the friction and
-    the restitution with which the energetic law fits.
+    The result also has the number of impacts, the mean error with the impulses that fit best, and
+    the friction and restitution of the fitted energetic law.
     """
     train, test = (Ellipse(*(each[first::2] for each in ellipse)) for first in (0, 1))
     laws: dict[str, Law] = {

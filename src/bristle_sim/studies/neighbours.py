@@ -237,7 +237,7 @@ def _placed(row: Neighbours, pitch: float) -> dict[str, Any]:
 def _simulated(
     tool: Tool, row: Neighbours, settings: Settings, pitch: float, **options: Any
 ) -> tuple[Trajectory, ...]:
-    # The time of a step is proportional to the number of bristles: 16 us for two, 85 us for twelve.
+    # A step takes 16 us for two bristles, 85 us for twelve. The step budget shrinks accordingly.
     brief = dataclasses.replace(
         settings, maximum_steps=max(1, 2 * settings.maximum_steps // row.bristles)
     )
@@ -282,7 +282,7 @@ def _searched(row: NeighbourRow, least: LeastPitch) -> Quantity:
             return True
         turn = math.radians(pitch)
         until = end + turn / speed if least.of_follower else end
-        # The run of a row lasts until the hub has carried the last root to this instant.
+        # A row of two is simulated until the hub has turned by ``hub_turn`` plus one pitch.
         brief = dataclasses.replace(row.settings, hub_turn=speed * until - turn)
         return any(each <= until for each in _touches(_simulated(row.tool, pair, brief, pitch)[0]))
 
@@ -316,8 +316,8 @@ def _touches(run: Trajectory) -> list[float]:
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Compare the strike of the row's last bristle with that of a lone bristle.
 
-    In the comparison the values of the lone bristle take the place of theory. How often a neighbour
-    touches the last bristle is also compared.
+    The values of the lone bristle stand in the column of theory. The number of touches of the last
+    bristle by a neighbour is also compared; in theory it is 0.
     """
     tool = row.tool
     last = row.bristles[-1]
@@ -329,7 +329,8 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     if reference is not None:
         touches = float(len(_touches(reference)))
         referred = {"wire_contacts": touches, **strike_values(tool, reference)}
-    # A touch may change all later motion, and any bristle of the row may end the run for all.
+    # A touch may change all later motion, so that the lone bristle is no theory any more. If one
+    # bristle stops the simulation, later touches of all bristles are missing.
     within = dict[str, float]()
     if reference is not None or not touched:
         if reference is not None or ended:

@@ -27,8 +27,8 @@ X_Y = np.array([1.0, 1j])
 # Tolerance of an invariant, divided by the requested accuracy. The relative error of an angular
 # velocity doubles in its square, and the errors of two contacts and two flights add up.
 MAGNIFIED = 10.0
-# Smallest relative tolerance: energies are sums over several hundred intervals, each with an error of
-# 1e-13.
+# Smallest relative tolerance. Energies are sums over several hundred intervals, each with an error
+# of 1e-13.
 LEAST_TOLERANCE = 1e-9
 # Smallest relative tolerance with contacts that are resolved in time. Rounding error of the
 # penetration keeps the duration of a contact above about 1e-6 of the motion's time scale. The
@@ -72,7 +72,8 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     """
     least = LEAST_COMPLIANT_TOLERANCE if tool.contact.law == "compliant" else LEAST_TOLERANCE
     within = dict.fromkeys(WORDS, max(least, MAGNIFIED * settings.accuracy))
-    # A bristle at rest moves by rounding alone; the bounds keep its energy from becoming the scale.
+    # The scale has a lower bound, as the kinetic energy of a bristle at rest is mere rounding
+    # error.
     static = tool.bristle.mass * math.hypot(*tool.bristle.centre)
     field = tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
     size = max(float(run.kinetic_energy.max()), LEAST_TOLERANCE * field, 1e-300)
@@ -197,7 +198,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     depths = [0.0]
     lines = run.centre_line @ X_Y
     if tool.workpart is not None and tool.contact.duration is None:
-        # joints between links may pass through the workpart
+        # Of a wire of links only the end is checked; its joints may pass through the workpart.
         corners = lines[:, 1:] if tool.bristle.links == 1 else lines[:, -1:]
         depths.append(-tool.workpart_depth - float(corners.imag.min()))
     if tool.bar is not None:
@@ -238,17 +239,18 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / (pushed or 1.0)
     first = (strike.compressive_work or (0.0, 0.0))[0]
     if strike.outcome == "rebound" and first and strike.restitutive_work is not None:
-        # stiction leaves no restitution, and a contact that outlasts its limit is cut off in it
+        # After stiction there is no restitution; a contact that lasts too long is cut off during
+        # it.
         second = strike.restitutive_work[0]
         errors["restitution_work_error"] = abs(second + part.restitution**2 * first) / abs(first)
     return errors
 
 
 def in_plane(normal: Any, pair: Any) -> Any:
-    """Return a vector of the plane, as a complex number, from its components at a contact.
+    """Return a vector as a complex number x + i y, given its components at a contact.
 
-    ``normal`` is the unit vector out of the obstacle. ``pair`` has the normal and the tangential
-    component.
+    ``normal`` is the unit vector out of the obstacle, a complex number. ``pair`` has the normal and
+    the tangential component.
     """
     return normal * (pair[0] - 1j * pair[1])
 

@@ -44,7 +44,7 @@ class Series:
     """Values of a swept parameter, or of a quantity at all points of a sweep.
 
     Attributes:
-        label: name of the parameter, or of the quantity in words.
+        label: name of the parameter, or the quantity in words.
         unit: unit of the values: an SI unit, or deg.
         values: values of the parameter, or an array of the quantity with one axis for each
             parameter. A missing value is NaN.
@@ -113,7 +113,7 @@ class Swept:
 
     @property
     def complete(self) -> NDArray[np.bool_]:
-        """Whether all quantities are known, for each point."""
+        """For each point of the sweep, whether all its quantities are known."""
         return np.isfinite([each.values for each in self.quantities.values()]).all(axis=0)  # type: ignore[return-value]
 
 
@@ -190,10 +190,10 @@ def sweep_of_runs(
 def _with_workers(
     function: Callable[..., Any], axes: Mapping[str, Series], workers: Any, store: Any
 ) -> dict[str, NDArray[Any]]:
-    """Evaluate a function at all points by worker processes, or with a folder of finished points.
+    """Return arrays of a function's results at all points, by name.
 
-    Returns:
-        Arrays of the results, by name.
+    ``workers`` are the processes or cluster that evaluate the points, ``store`` the folder of
+    finished points.
     """
     try:
         from bristle_sim.studies.sweep import sweep

@@ -90,10 +90,11 @@ def strikes_of_keys(settings: Settings, tool: Tool, **values: Any) -> dict[str, 
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
-    """Simulate a pass with the given bar, and return the lag and the relative speed at its strike.
+    """Simulate a pass with the given bar, and return the state of the bristle at its strike.
 
-    Lag and speed are None if the bristle does not strike after leaving the bar; the entry
-    ``no_strike`` then has the reason.
+    The state is the lag (deg) and the angular velocity relative to the hub (rad/s), by name. Both
+    are None if the bristle does not strike after leaving the bar; the entry ``no_strike`` then has
+    the reason. Belt stiffness and direction of the bar are also returned.
     """
     direction = math.degrees(math.atan2(bar.horizontal, bar.vertical))
     row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": direction}
@@ -164,8 +165,8 @@ def crater_depth(
     energy, rubbing, angle, width = (each[cuts] for each in given)
     specific = specific_cutting_energy(rubbing, angle, API_5L, "inclined")
     found = np.full(cuts.shape, math.nan)
-    # Craters of wires of different thickness are similar: the volume goes with the cube of the
-    # size.
+    # Craters of wires of different diameters are geometrically similar, so the volume is
+    # proportional to the cube of the diameter.
     size = width / PRINTED_FACE.short_axis
     found[cuts] = size * depth_from_energy(np.maximum(0.0, energy) / size**3, specific, angle)
     return found

@@ -65,10 +65,10 @@ def sweep(
         store: folder that keeps finished points. The same call later computes only the points that
             are missing, damaged or lost. The returned Dataset loads results lazily. The folder
             holds data alone: reading another person's folder runs no code.
-        version: word to change when results change for a reason that a store does not notice. A
-            store notices changes of the function's module or package, of the values bound to it,
-            and of this package, NumPy, SciPy and pymunk. It does not notice changes of other
-            modules, of files that the function reads, or of globals set while the program runs.
+        version: any word. Change it when results change for a reason that a store does not notice.
+            A store notices changes of the function's module or package, of the values bound to the
+            function, and of this package, NumPy, SciPy and pymunk. It does not notice changes of
+            other modules, of files that the function reads, or of globals set as the program runs.
         progress: whether to show a bar with the time left on standard error. By default it appears
             after five seconds.
 
@@ -207,7 +207,7 @@ def _write(results: Results, outcomes: Outcomes, total: int, progress: bool | No
                 bar.update()
                 if len(finished) == BLOCK or time.perf_counter() - written > WRITTEN_EVERY:
                     results.write(finished)
-                    # only now: an interrupted write is done again below
+                    # The list is emptied only now, so that an interrupted write is repeated below.
                     finished = []
                     written = time.perf_counter()
         finally:

@@ -47,7 +47,7 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
     own = _folder_digest(Path(__file__).parents[1])
     try:
         return str(_Hasher(version).hash((own, libraries, version, function)))
-    except Exception as error:  # pickle raises those of the objects that it cannot save
+    except Exception as error:  # an object that pickle cannot save may raise any error
         reason = " ".join(str(error).split())
         words = f"function = {name_of(function)}: a store cannot notice changes of {reason}"
         raise ValueError(words + ("" if version else "; pass version=...")) from error
@@ -102,8 +102,9 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
     def source(self, value: Any, file: str) -> Any:
         """Return the data that identify the source of a function or class.
 
-        They are its name, its position in the source file, the text of the file, and a digest of
-        its package. For an installed package they are module, name and the package's version.
+        The data are the name of ``value``, its position in the source file, the text of the file,
+        and a digest of the package. For an installed package they are the module, the name and the
+        package's version.
         """
         module = sys.modules.get(value.__module__)
         package = (getattr(module, "__package__", "") or value.__module__).partition(".")[0]

@@ -200,8 +200,8 @@ class Results:
         written.to_zarr(memory, mode="w", zarr_format=3, consolidated=False)
         group = zarr.open_group(memory, mode="r+")
         sizes = [*self.grid.sizes.values()]
-        # Points in a chunk follow each other: the last axes are whole, one is cut, the others have
-        # a single value.
+        # A chunk holds consecutive points: all values of the last axes, a part of the axis before
+        # them, and a single value of each earlier axis.
         after = [math.prod(sizes[axis + 1 :]) for axis in range(len(sizes))]
         chunk = [min(size, max(1, BLOCK // n)) for size, n in zip(sizes, after, strict=True)]
         for name, inner in {FAILURE: (), **self.shapes}.items():

@@ -91,9 +91,10 @@ class _Processes(ProcessPoolExecutor):  # type: ignore[misc]
 
 
 def client_of(workers: Any) -> Any:
-    """Return the Dask client of ``workers``, which is a client or a client's executor; else None.
+    """Return the Dask client if ``workers`` is a client or a client's executor, otherwise None.
 
-    The client is preferred to its executor, which may lose the results of a worker that dies.
+    The client is preferred to the executor, since the executor may lose results of a worker that
+    dies.
     """
     client = getattr(workers, "_client", workers)
     return client if hasattr(client, "get_executor") and hasattr(client, "scheduler_info") else None
@@ -173,7 +174,7 @@ class _Batches:
         return getattr(self.executor, "_max_workers", None) or os.cpu_count() or 1
 
     def _send(self, batch: list[Point]) -> None:
-        """Send a batch to the workers. If they refuse it, its future raises the error."""
+        """Send a batch to the workers; if they refuse, the batch's future raises the error."""
         try:
             future = self._submitted(batch)
         except Exception as error:

@@ -30,8 +30,8 @@ from bristle_sim.trajectory.interpolation import cubics, integral, smooth_pieces
 
 Result = TypeVar("Result")
 
-# Relative difference from the requested values at which the adjustment ends. The requested accuracy
-# replaces it if that is larger.
+# Relative difference from the requested values at which the adjustment ends. If the requested
+# accuracy is larger, the adjustment ends at the accuracy.
 REQUEST_TOLERANCE = 1e-6
 MOST_ROUNDS = 30  # largest number of iterations of the adjustment, which usually takes five to ten
 LARGEST_STEP = 0.5  # largest change of the logarithm of speed or duration in an iteration
@@ -211,8 +211,8 @@ def timed_contact(
             )
         return contact, (contact.compression_time, contact.compressive_impulse)
 
-    # In restitution the spring is stiffer by 1/e*^2, and the tip's response to it is proportional
-    # to s_2 instead of s_1.
+    # In restitution the spring is stiffer by 1/e*^2, and the tip's response is proportional to s_2
+    # = sin gamma - mu_2 cos gamma instead of s_1 = sin gamma + mu_1 cos gamma.
     cosine, sine = math.cos(impact_angle), math.sin(impact_angle)
     leaving = sine - surface.friction_in_restitution * cosine
     whole = 1.0
@@ -252,7 +252,7 @@ def with_visible_contact(impacts: Impacts) -> Impacts:
         """
         law = Contact("compliant", duration)
         found = strike(impacts.chain, impacts.surface, law, Settings())
-        assert found.contact.history is not None  # it is resolved in time
+        assert found.contact.history is not None  # the contact is resolved in time
         return found, (compression_end(found.contact.history),)
 
     wanted = np.array([PRINTED_COMPRESSION])

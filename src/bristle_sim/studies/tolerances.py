@@ -1,11 +1,11 @@
 """Which tolerance matters: the inputs of a pass vary about their values, and the study shows how
 much the strike varies.
 
-Every input is uniformly distributed within its half-width about its value, independently of the
-others. For small spreads the standard deviation is that of first-order error propagation, sqrt(sum
-(dy/dx_i sigma_i)^2).
+Every input x_i is uniformly distributed in an interval about its value, independently of the other
+inputs. In small intervals the standard deviation of an output y is that of first-order error
+propagation, sqrt(sum_i (dy/dx_i sigma_i)^2), where sigma_i is the standard deviation of x_i.
 
-Sobol indices divide the variance of every output y among the inputs x_i. The first-order index
+Sobol indices divide the variance V(y) of every output among the inputs. The first-order index
 V(E(y|x_i))/V(y) is the fraction of the variance that would vanish if x_i alone were known. The
 total index E(V(y|all but x_i))/V(y) is the fraction that would remain if all other inputs were
 known. Saltelli's method estimates both from two samples A and B of a scrambled Sobol sequence, and
@@ -162,10 +162,10 @@ def propagated(
 ) -> dict[str, dict[str, float]]:
     """Return the effect of each input on each output, by name of the output and of the input.
 
-    The effect is half the change of the output y between both bounds of the input's interval. The
-    other inputs are in the middle of their intervals. For a small half-width h_i the effect is h_i
-    dy/dx_i. The standard deviation of y for uniformly distributed inputs is then the square root of
-    a third of the sum of the squared effects. An output without a value is left out.
+    The effect is half the change of the output y from the lower to the upper bound of the input's
+    interval, with the other inputs in the middle of their intervals. For a small half-width h_i the
+    effect is h_i dy/dx_i. The standard deviation of y for uniformly distributed inputs is then the
+    square root of a third of the sum of the squared effects. An output without a value is left out.
     """
     fractions = np.full((len(intervals), len(intervals), 2), 0.5)
     for number in range(len(intervals)):
@@ -263,7 +263,8 @@ def sobol_study(
     def indices(chosen: slice) -> Array:
         """Return the first-order Sobol indices, then the total ones, shape (2, outputs, inputs).
 
-        They are estimated from the points ``chosen`` of each of the samples A, B and AB.
+        They are estimated from the points ``chosen`` of the samples A and B, and of the copies of A
+        in which one column is that of B.
         """
         of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
         func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}

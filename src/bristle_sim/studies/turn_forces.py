@@ -84,8 +84,8 @@ def load_cell_response(
                 whole = complex(_weighed(force.course, start, np.array([length]), pole)[0])
                 inside = since < length
                 state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
-                # Of the part that still acts only the impulse so far counts; its earlier
-                # repetitions are complete.
+                # At times within this part, its force counts up to that time, and its earlier
+                # repetitions count in full.
                 acting = _weighed(force.course, start, since[inside], pole)
                 state[inside] += -np.expm1(pole * period) * acting
     # Residue of w^2/((s - p)(s - p*)) at p, with the sum over k.

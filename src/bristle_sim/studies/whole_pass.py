@@ -131,7 +131,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         trusted = tuple([each for each in found if each.name in STATE])
     return Report(
         **outcome_fields(contact),
-        # Only an invariant that is violated takes a row, with which the comparison fails.
+        # An invariant has a row only if it is violated. The comparison then fails.
         quantities=(*found, *[each for each in invariants if each.ok is False]),
         **run_fields(run),
         remarks=tuple(remarks),
@@ -156,8 +156,8 @@ def _tolerances(tool: Tool, settings: Settings, referred: Values) -> dict[str, f
     for name, value in referred.items():
         if value is not None:
             unit = QUANTITIES[name][1]
-            # Angles are differences of two of a few radians, the relative speed one of rates of the
-            # hub's size.
+            # An angle is the difference of two angles of a few radians, the relative speed that of
+            # two rates as large as the hub's.
             size = math.degrees(1.0) if unit == "deg" else 0.0
             if name == "relative_speed_at_contact":
                 size = tool.hub.speed
@@ -272,7 +272,7 @@ def _formulas(tool: Tool) -> Values:
 def run_fields(run: Trajectory) -> dict[str, Any]:
     """Return the fields with which a report describes a run.
 
-    They are the run's events and cost, and a sentence if it misses the requested accuracy.
+    They are the run's events and cost, and a sentence if the run misses the requested accuracy.
     """
     return {
         "not_reached": run.accuracy_not_reached,
