@@ -207,7 +207,8 @@ def _carry_out(
 ) -> int:
     """Run a scenario, write the requested files, print the answer, and return the exit status.
 
-    ``targets`` are the files by option; the report page states the line ``command``.
+    ``targets`` holds the path of each requested file, by option. ``command`` is the command line,
+    which the report page shows.
 
     Raises:
         ValueError: for values that contradict each other or are too extreme.

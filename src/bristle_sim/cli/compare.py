@@ -16,8 +16,8 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.readable import aligned, amount, readable_unit, relative_text
 from bristle_sim.studies.strike_measures import beside_radial
 
-# Ratio of two compared values below which the smaller counts as rounding error; their difference
-# is then not shown
+# Largest ratio of the first tool's value to that of the second at which the first counts as
+# rounding error. The relative difference is then not shown.
 LEAST_PART = 1e-6
 
 VERDICT = ("normal_final_impulse", "tip_speed_at_contact")
@@ -117,9 +117,9 @@ def _verdict(names: Sequence[str], reports: Sequence[Report]) -> str:
 
 
 def _difference(a: float | None, b: float | None) -> str:
-    """Return the difference (b - a)/|a| as text, in per cent or as a factor.
+    """Return the relative difference (b - a)/|a| of two values as text, in per cent or as a factor.
 
-    The text is empty if either value is missing, or if a is so much smaller than b that a is only
+    The text is empty if either value is missing, or if a is so much smaller than b that a counts as
     rounding error.
     """
     if a is None or b is None or abs(a) <= LEAST_PART * abs(b):

@@ -123,8 +123,8 @@ def _checked(name: str, path: str, scenario: Scenario) -> Path:
     Args:
         name: name of the option.
         path: typed path.
-        scenario: the scenario that is run. ``--csv`` accepts its formats besides ``.csv``. If
-            ``--plot`` draws several figures, they need a folder or a PDF.
+        scenario: the scenario that is run. ``--csv`` also accepts the suffixes of the scenario's
+            own formats. ``--plot`` needs a folder or a PDF if the scenario draws several figures.
     """
     suffixes = SUFFIXES[name]
     suffix = Path(path).suffix.lower()

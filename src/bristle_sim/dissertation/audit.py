@@ -1,12 +1,13 @@
 """The audit: every number printed in chapters 2 to 4, and every statement that can be checked.
 
-Three rows are from chapters 1 and 5, which print the same quantities. ``printed.toml`` holds the
-printed numbers and statements. The modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute
-the values, each with the reason for its difference from print.
+Three rows are numbers of chapters 1 and 5, which print the same quantities again. ``printed.toml``
+holds the printed numbers and statements. The modules ``audit_chapter_2`` and ``audit_chapters_3_4``
+compute the values. Where a value differs from print, they also give the likeliest reason.
 
-A number counts as reproduced if the computed value lies within half a unit of the last printed
-digit. If a printed number was itself computed from rounded numbers, the effect of their rounding is
-added to this tolerance, and ``why`` says so. A statement in words is checked by a computed value.
+A number counts as reproduced if the computed value differs from it by at most half a unit of the
+last printed digit. If the printed number was itself computed from rounded numbers, the effect of
+their rounding is added to this tolerance, and the remark on the number says so. A statement in
+words is checked by a computed value.
 """
 
 from __future__ import annotations

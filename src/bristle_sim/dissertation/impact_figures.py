@@ -273,8 +273,8 @@ def _curve(quantity: str, sweep: Sweep, case: Mapping[str, Any]) -> Curve:
 def _value(quantity: str, get: Callable[[str], Any]) -> Any:
     """Return the value of a quantity by its name.
 
-    ``get`` is a function that returns a value by its name. It is not called for the total work,
-    which is the sum of the normal and the tangential work.
+    The total work is the sum of the normal and the tangential work. ``get`` is a function that
+    returns any other quantity by its name.
     """
     return get(NORMAL) + get(TANGENTIAL) if quantity == TOTAL else get(quantity)
 

@@ -28,15 +28,16 @@ class Source:
 
 
 SOURCES = {
-    # Simulation and closed form differ by rounding error alone. It is inversely proportional to the
-    # distance of the friction coefficient from the value at which stiction begins.
+    # Simulation and closed form differ by rounding error alone. The error is inversely proportional
+    # to the distance of the friction coefficient from the value at which stiction begins.
     "energetic": Source("scene, energetic law", 1e-9),
-    # As in oblique_impact: a contact resolved in time differs from its rigid-body limit by a
-    # thousandth of this tolerance.
+    # The tolerance of the scenario oblique_impact. A contact resolved in time usually differs from
+    # its rigid-body limit by a thousandth of it.
     "compliant": Source("scene, contact resolved in time", 3e-3),
     "engine": Source("scene, engine's own contact", None),
     "contact": Source("scene, contact of 50 µs", None),
-    # The printed equation with its printed numbers; cancellation leaves an error of 1e-12.
+    # The printed equation, evaluated with the printed numbers. Cancellation makes an error of
+    # 1e-12.
     "printed": Source("printed equation, term by term", 1e-9),
     # The coefficients of (4.59) are rounded: 0.00303 is printed for 0.00302.
     "motion": Source("printed motion, summed", 5e-3),

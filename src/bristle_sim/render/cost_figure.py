@@ -60,7 +60,7 @@ def cost_figure(measured: AccuracyCost) -> Figure:
         if case is None:
             axes.remove()
             continue
-        # Of the target errors that a method of ours reaches, the smallest is compared.
+        # CPU times are compared at the smallest target error that a method of this project reaches.
         _, target, *compared = min(
             (each for each in comparisons(measured) if each.case == case.name),
             key=lambda each: (each.ours is None, each.target),
@@ -90,9 +90,9 @@ def verdict(target: float, own: Point | None, peer: Point | None) -> str:
     """Return a phrase that compares the CPU times of this project and of another package.
 
     Args:
-        target: error that both reach.
-        own: measured point of this project's fastest method, or None.
-        peer: measured point of the fastest method of all other packages, or None.
+        target: the target error, at which the times are compared.
+        own: measured point of this project's fastest method; None if no method meets the target.
+        peer: measured point of the fastest method of all other packages; None likewise.
     """
     if own is None:
         return "none of our methods that integrate in time reaches a target error"

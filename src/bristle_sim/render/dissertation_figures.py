@@ -151,7 +151,7 @@ def draw_panel(axes: Axes, panel: Panel | None, table: Sequence[Sequence[str]] =
     axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     _limit(axes, panel)
     axes.set(xlabel=panel.x.label, ylabel=panel.y.label)
-    named = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))  # a name once
+    named = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))  # each name once
     look = {"title": panel.family, "fontsize": 6.5, "frameon": True, "framealpha": 0.8}
     axes.legend(named.values(), named, handlelength=0.9, edgecolor="none", **look)
 

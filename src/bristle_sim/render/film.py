@@ -329,8 +329,8 @@ def _write_gif(partial: Path, film: Film, times: Sequence[float], fps: float) ->
     first, *others = [
         film.frame(time).quantize(palette=palette, dither=plain) for time in _counted(times)
     ]
-    # A gif counts hundredths of a second. The instants are rounded, not the durations, which keeps
-    # the length of the film.
+    # A gif counts hundredths of a second. To keep the film's length, the instants of the frames are
+    # rounded, and not their durations.
     instants = [round(100.0 * number / fps) for number in range(len(times) + 1)]
     durations = [10 * (after - before) for before, after in pairwise(instants)]
     first.save(

@@ -186,7 +186,7 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     ways = 0.5 * np.diff(time) * (velocity[:, 1:] + velocity[:, :-1])
     path = np.pad(np.cumsum(ways, axis=1), ((0, 0), (1, 0)))
     vectors = {"velocity": velocity, "force": force, "path": path - path[:, 1:2]}
-    # The shortest pieces, beyond the number of phases, are rounding at the end of other pieces.
+    # There may be more smooth pieces than phases. The shortest ones are then rounding error.
     longest = sorted(smooth_pieces(clock), key=lambda piece: clock[piece[0]] - clock[piece[1]])
     begins = sorted(float(clock[first]) for first, _ in longest[: len(record.phases)])
     phases = [Phase(*each) for each in zip(begins, record.phases, strict=False)]

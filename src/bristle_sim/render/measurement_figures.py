@@ -121,7 +121,7 @@ def _draw_map(axes: Axes, film: FilmMap, values: Array, measured: float) -> None
     axes.grid(visible=False)
     axes.figure.colorbar(axes.pcolormesh(x, y, values, rasterized=True), ax=axes)
     line = np.ma.masked_invalid(np.where(values > MOST_ABOVE * measured, np.nan, values))
-    level = 1.5 if measured == 1.0 else measured  # of one touch, the border to two
+    level = 1.5 if measured == 1.0 else measured  # 1.5: between one touch and two
     if line.count() and line.min() < level < line.max():
         axes.contour(x, y, line, levels=[level], colors=VERMILION, linewidths=1.4)
     row, column = film.nearest

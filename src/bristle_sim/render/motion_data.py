@@ -42,8 +42,8 @@ FORCE_ERROR = (
 # Largest count of numbers in the data of a page. At 12 bytes for a number the data stay below 2 MB.
 MOST_NUMBERS = 100_000
 STRIKE_SHOWN = 0.01  # time for which an instantaneous impact is shown, as a fraction of the run
-ROUNDS = 40  # largest number of rounds of halving
-WORST = 0.5  # least error of an interval that is halved in a round, divided by the largest error
+ROUNDS = 40  # largest number of rounds in which intervals are halved
+WORST = 0.5  # least error of an interval that is halved, as a fraction of the largest error
 JUMP = 1e-9  # smallest discontinuity that counts as a jump, in the page's units
 
 
@@ -65,8 +65,8 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     nodes = 1 + begins.shape[1]
     jumps = np.abs(begins[:, 1:] - ends[:, :-1]).max(axis=(0, 2)) > JUMP
     kept = np.stack([np.ones(nodes - 1, dtype=bool), np.append(jumps, True)], axis=1)
-    # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to
-    # keep a page small.
+    # Times are rounded to 1e-15 s and lengths to 1e-12 m. Speeds within a short contact then stay
+    # correct, and the page stays small.
     places, slopes = np.moveaxis(intervals, 0, 2)[:, kept]
     bar = None
     if tool.bar is not None:
@@ -109,9 +109,9 @@ def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
     the errors do not affect the digits shown or the data reach their largest size.
 
     Returns:
-        The states at the beginning and at the end of every interval, and the largest error divided
-        by the permitted error. The states have the shape (2, 2, intervals, columns): beginning or
-        end, value or time derivative, interval, and column as in :func:`_states`.
+        The states at both ends of every interval, shape (2, 2, intervals, columns). The axes are:
+            beginning or end; value or time derivative; interval; column as in :func:`_states`.
+        The largest interpolation error divided by the permitted error, at least 1.
     """
     motion = Interpolation(run, run.contacts)
     last = int(np.searchsorted(run.time, run.time[np.searchsorted(run.time, end)], side="right"))
@@ -122,7 +122,8 @@ def _intervals(run: Trajectory, end: float) -> tuple[Array, float]:
     before[0, :, -1] = motion.normal_force(time, "before")
     after[0, :, -1] = motion.normal_force(time, "after")
     most = MOST_NUMBERS // (2 * states.shape[2])
-    # Of many samples some are chosen, so that three quarters of the nodes are left to the halving.
+    # If the run has many samples, the first nodes are a selection of them. It leaves three quarters
+    # of the permitted nodes for the halving.
     chosen = np.arange(time.size) % (1 + 4 * time.size // most) == 0
     chosen |= np.abs(after - before).max(axis=(0, 2)) > JUMP
     chosen[-1] = True
@@ -146,17 +147,17 @@ def _errors(run: Trajectory, motion: Interpolation, intervals: Array) -> Array:
     """Return the error of the page's interpolation in each interval, divided by the permitted
     error.
 
-    The errors of all quantities are evaluated at one time within the interval, and the largest is
-    returned. An error is the difference from ``motion``, the interpolation that the run itself
-    provides. ``intervals`` are states as returned by :func:`_intervals`.
+    The errors of all quantities are evaluated at one time within the interval; the largest counts.
+    An error is the difference from ``motion``, the interpolation that the run itself provides.
+    ``intervals`` holds states in the form that :func:`_intervals` returns.
     """
     (p, v), (q, w) = intervals
     s = TRIED
     length = (q - p)[:, :1]
     time = (p + s * length)[:, 0] / MILLISECONDS
     true, velocity = _states(motion(time))
-    # Hermite's cubic from values and slopes at both ends, and its slope; of the force a straight
-    # line.
+    # Hermite's cubic polynomial from values and slopes at both ends, and the slope of the
+    # polynomial. The force is interpolated linearly.
     place = (
         q
         + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q)

@@ -153,7 +153,7 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     wires = dict(_WIRES)
     if trajectory.event_time("strike") is None:
         wires["highest relative speed"] = BLACK
-    # The first of several events of one name shows the wire.
+    # If several events have one name, the wire is drawn at the first of them.
     return [
         _Mark(number, event, wires.pop(event.name, GREY))
         for number, event in enumerate(events, first)
@@ -213,7 +213,8 @@ def _draw_tool(
             drawing = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
             drawing.wire.set_gid(f"wire {mark.number}")
             drawing.place(line)
-            # In the hub, nearer to its rim for every other event: roots may be close together.
+            # The number stands inside the hub, alternately nearer to the rim and farther from it,
+            # since roots may be close together.
             inward = 0.86 - 0.1 * (mark.number % 2)
             axes.plot(*(inward * MILLIMETRES * line[0]), **mark.look)
     return [*shown, drawing.root] if marks else shown
@@ -241,7 +242,7 @@ def _list_events(
         time = mark.event.time
         retraction = float(np.degrees(trajectory.at(time).retraction))
         name = mark.event.name
-        # It is the largest up to the strike; after the strike the wire may swing farther.
+        # The event is the largest retraction before the strike. Afterwards the wire may lag more.
         if name == "largest retraction" and retraction < largest - 0.01:
             name = "largest retraction so far"
         words = f"{name}: {time * MILLISECONDS:.3f} ms, {signed(retraction, 2)}°"

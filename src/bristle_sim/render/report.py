@@ -44,7 +44,7 @@ BEFORE_UNIT = re.compile(
 
 ALIGNED = re.compile(
     r"\S {3,}\S|\n"
-)  # pattern of a plain-text table; the page leaves it out, since it has an HTML table instead
+)  # pattern of a plain-text table, which the page replaces by an HTML table
 MEDIA = {".png": "image/png", ".mp4": "video/mp4", ".gif": "image/gif"}
 
 

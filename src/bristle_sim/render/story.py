@@ -11,7 +11,7 @@ import numpy as np
 from bristle_sim.trajectory import Event, Trajectory
 
 MOST_LABELS = 9  # number of labels that fit above a panel of full width
-AFTERMATH = 0.12  # time shown after the tip has left the workpart, as a fraction of the time before
+AFTERMATH = 0.12  # time shown after the tip leaves the workpart, as a fraction of the time before
 SAME_INSTANT = 1e-9  # largest interval between events that count as simultaneous, s
 # Largest angle (rad) between a bristle and the radial direction at the start for which the bristle
 # counts as turning with the hub. At a larger angle the belt throws the bristle.
@@ -34,9 +34,9 @@ _SUSTAINED = {"bar": "held back by the bar", "workpart": "drags along the workpa
 
 
 class Phase(NamedTuple):
-    """A phase of a run: its start time (s) and its caption.
+    """A phase of a run, with its start time (s) and its caption in a film or figure.
 
-    It ends when the next phase starts.
+    A phase ends when the next phase starts.
     """
 
     start: float
@@ -121,21 +121,20 @@ def _strike(
 
 
 def _caption(trajectory: Trajectory, event: Event, later: Sequence[Event], lags: bool) -> str:
-    """Return the caption of the phase that begins with an event.
-
-    It is an empty text if the event begins no phase.
+    """Return the caption of the phase that begins with an event; empty if the event begins none.
 
     Args:
         trajectory: motion of the pass.
         event: an event other than the strike.
-        later: the events after it.
+        later: the events after ``event``.
         lags: whether the bristle rotates more slowly than the hub at the start.
     """
     name = event.name
     strike = trajectory.event_time("strike")
     obstacle = name.removesuffix(" touch")
     if obstacle in _SUSTAINED:
-        # a touch is sustained if a release follows or it lasts to the end, otherwise it is a bounce
+        # A touch that ends in a release, or lasts to the end of the run, is sustained. Any other
+        # touch is a bounce.
         own = (each.name for each in later if each.name.startswith(f"{obstacle} "))
         released = next(own, "").endswith(" release")
         if released or _lasts(trajectory, event, obstacle):
@@ -146,7 +145,7 @@ def _caption(trajectory: Trajectory, event: Event, later: Sequence[Event], lags:
     ):
         return "off the bar"
     skipped = {
-        # before a strike the release begins the phase
+        # before a strike the release, not the largest retraction, begins the phase
         "largest retraction": not lags if strike is None else event.time < strike,
         "highest relative speed": strike is not None,
     }

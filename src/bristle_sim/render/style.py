@@ -131,7 +131,8 @@ def say(axes: Axes, words: str) -> None:
 def signed(value: float, decimals: int, width: int = 0) -> str:
     """Return a number as text with a typographic minus sign.
 
-    A number that rounds to zero has no sign. ``width`` is the least number of characters.
+    A number that rounds to zero has no sign. ``decimals`` is the number of decimals, ``width`` the
+    least number of characters.
     """
     return f"{round(value, decimals) + 0.0:{width}.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 

@@ -64,8 +64,9 @@ def surface_figure(made: BlastedSurface) -> Figure:
 
 
 def _strike_times(made: BlastedSurface, strikes: ArrayLike) -> Array:
-    """Return the time under the belt (s) after which the simulated area has received a number of
-    strikes.
+    """Return the time (s) in which the simulated area receives a given number of strikes.
+
+    It is the time for which the tool's belt has been over the track.
     """
     part = made.blasting.track_width / made.blasting.ground_width
     return np.asarray(strikes) * (part / made.strike_rate)
@@ -124,7 +125,8 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
 
 
 def _draw_course(axes: Axes, made: BlastedSurface) -> None:
-    """Draw roughness Rz and coverage over the time under the belt."""
+    """Draw roughness Rz and coverage over the time (s) for which the belt has been over the track.
+    """
     time = _strike_times(made, made.course["strikes"])
     roughness = MICROMETRES * made.course["rz"]
     low, high = MEASURED_RZ
@@ -177,9 +179,9 @@ class SurfaceFilm(Film):
         return _lit(self.made, self.ground.heights, self.norm, self.every)
 
     def move(self, time: float) -> Sequence[str]:
-        """Show the surface at a time under the belt, s.
+        """Show the surface after the belt has been over the track for a time, s.
 
-        Strikes since the last shown time are added. If ``time`` is before the last shown time, all
+        Strikes since the time shown last are added. If ``time`` is before the time shown last, all
         strikes are repeated on the unblasted surface.
         """
         made = self.made

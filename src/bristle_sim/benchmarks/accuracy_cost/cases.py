@@ -86,8 +86,8 @@ class StrikeCase(Case):
 def release_flight() -> Case:
     """Return the case of an undamped bristle that is released at rest on a turning hub.
 
-    The flight ends when the bristle is radial. Its exact angular velocity there follows from the
-    energy integral.
+    The flight ends when the bristle is radial. The bristle's exact angular velocity at the end
+    follows from the energy integral.
     """
     tool = Tool(bar=None, workpart=None)
     retraction = RETRACTION_AT_RELEASE

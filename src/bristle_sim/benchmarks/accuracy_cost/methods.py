@@ -95,8 +95,9 @@ def _flight_of_built_scene(case: Case) -> list[Attempt]:
     def flown(angle: float, rate: float, before: int) -> Run:
         """Return a flight's final state relative to the hub (rad, rad/s), and its engine steps.
 
-        ``angle`` (rad) and ``rate`` (scene units) are those at the end of the flight, and absolute.
-        ``before`` is the number of engine steps that the scene had taken before the flight.
+        ``angle`` (rad) and ``rate`` (scene units) are the bristle's absolute angle and angular
+        velocity at the end of the flight. ``before`` is the number of engine steps that the scene
+        had taken before the flight.
         """
         relative = (angle - scene.mechanism.root_angle(end), (rate - hub_speed) / units.time)
         return Run(relative, scene.steps - before)

@@ -156,8 +156,8 @@ class MujocoModel:
         """Integrate a pass up to the strike; in each step the hub turns by ``HUB_TURN / count``.
 
         The steps are first taken in blocks, until the tip is below the workpart's surface. The last
-        block is then repeated step by step, which finds the step in which the tip strikes. The
-        state at the strike is interpolated linearly within this step.
+        block is then repeated step by step to find the step in which the tip strikes. The state at
+        the strike is interpolated linearly within this step.
         """
         step = HUB_TURN / self.hub_speed / count
         rate = 1.0 / (STEPS_IN_CONTACT * step)
@@ -184,9 +184,10 @@ class MujocoModel:
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Integrate until the tip is below the workpart's surface; return the state a block before.
+        """Integrate until the tip is below the workpart's surface; return the latest state above
+        it.
 
-        The integration proceeds in blocks of ``block`` steps.
+        The tip's height is tested after every ``block`` steps.
         """
         while True:
             before = self._state()

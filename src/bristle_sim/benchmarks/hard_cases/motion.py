@@ -99,7 +99,7 @@ def _spends_budget() -> Finding:
 def damping() -> Iterator[HardCase]:
     """Yield free decays with damping ratios up to 100, and a whole pass with ratio 0.5.
 
-    A decay is compared at a time at which the bristle still moves.
+    A decay is compared with the reference solution at a time at which the bristle still moves.
     """
     promise = AS_REFERENCE.format(ACCURACY)
     for ratio, turn in ((0.5, 0.5), (1.0, 0.5), (100.0, 0.2)):
@@ -166,7 +166,7 @@ def _meets(accuracy: float) -> Finding:
     # Angles of a radial bristle to the workpart's normal at the touch, rad.
     touches = [(TOOL.replace(bar=None), "strike", -math.acos(TOOL.workpart_depth / TIP))]
     for radius in (THINNEST, 1e-6, 1e-3):
-        angle = -BAR_ANGLE - math.asin(radius / BAR_DISTANCE)  # its flank is tangent to the bar
+        angle = -BAR_ANGLE - math.asin(radius / BAR_DISTANCE)  # the wire is tangent to the bar
         touches.append((with_bar(radius), "bar touch", angle))
     late = list[float]()
     steps = 0

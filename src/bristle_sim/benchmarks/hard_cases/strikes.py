@@ -220,8 +220,8 @@ def grazing() -> Iterator[HardCase]:
     """
     limit = 3.0 * 16.0 * EPSILON
     promise = f"outcome of the monofilament's formulas, impulse and rate to {limit:.0e}"
-    # Frictions of 0, a half and twice that of the jam; a half magnifies rounding by (1 + 1/2)/(1 -
-    # 1/2).
+    # ``parts`` are friction coefficients divided by that of the jam. At the part 1/2 rounding
+    # errors are magnified by (1 + 1/2)/(1 - 1/2).
     for name, angle, parts in (
         ("strike at 1e-12 rad", 1e-12, (0.0, 0.5, 2.0)),
         ("strike at a right angle less 1e-09 rad", math.pi / 2 - 1e-9, (0.0, 0.5)),

@@ -29,7 +29,7 @@ from bristle_sim.studies.sweep_point import FAILURE
 from bristle_sim.studies.whole_pass import QUANTITIES
 from bristle_sim.units import exact_text
 
-SETTINGS = Settings(accuracy=1e-6)  # of the passes in a map; their errors are far below one shade
+SETTINGS = Settings(accuracy=1e-6)  # settings of a map's passes; errors are far below one shade
 COARSE = 40
 FINE = 200
 """Number of cells along each side of a map: while the user changes a parameter, and afterwards.
@@ -58,7 +58,7 @@ def map_of(pass_of: Scenario, typed: Values, on: str, fine: str) -> dict[str, An
     for key, *ends in (asked["x"], asked["y"]):
         low, high = (float(pass_of.keys()[key].parse(each)) for each in ends)
         lines.append(np.linspace(low, high, 1 + (FINE if fine == "1" else COARSE)))
-    # Both axes may show one parameter; the map then changes along the second axis alone.
+    # Both axes may show the same parameter; the map then varies along the second axis alone.
     places = dict(zip((asked["x"][0], asked["y"][0]), np.meshgrid(*lines), strict=True))
     found = pass_quantities(tool, SETTINGS, **places)
     codes = (found[OUTCOME][..., np.newaxis] == np.array(OUTCOMES)).argmax(axis=-1)

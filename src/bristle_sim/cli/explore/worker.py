@@ -127,7 +127,7 @@ class Worker:
 
     def _end_after(self, seconds: float, reason: str) -> None:
         def end() -> None:
-            """End the process; the running computation then reports its end."""
+            """End the process; :meth:`answer` then returns the reason."""
             self.reason = reason
             self._process.kill()
 
@@ -166,10 +166,10 @@ class Workers:
             self._idle = [each for each in self._idle if each.rest()]
             worker = self._idle.pop() if self._idle else Worker()
             if not self._idle:
-                self._idle.append(Worker())  # it imports its modules until it is taken
+                self._idle.append(Worker())  # a spare process, which now imports its modules
             if page:
                 self._running[page] = worker
-            worker.begin(kind, arguments)  # before the lock lets a newer one stop it
+            worker.begin(kind, arguments)  # within the lock, before a newer computation can stop it
         try:
             return worker.answer()
         finally:
@@ -199,10 +199,10 @@ def work() -> None:
 
     When standard input ends, the process ends at once, even during a computation.
     """
-    # Ctrl-C ends the server, and therefore standard input
+    # Ctrl-C is ignored here. It ends the server, and thereby standard input.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for all other printed text
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # other prints go to standard error
     jobs: queue.SimpleQueue[Any] = queue.SimpleQueue()
     watch = Watch(answers)
 
