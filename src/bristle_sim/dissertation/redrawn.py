@@ -207,8 +207,8 @@ class Redrawn:
 def largest_differences(figure: Redrawn) -> dict[str, float]:
     """Return the largest distance of a figure's points from their curve, by the points' source.
 
-    A source is a key of ``SOURCES``, such as the dissertation's print. The distance is vertical. It
-    is a fraction of the curve's largest magnitude at these points.
+    A source is a key of ``SOURCES``, such as the dissertation's print. The distance is vertical,
+    and is divided by the curve's largest magnitude at these points.
     """
     found: dict[str, float] = {}
     for curve in (curve for panel in figure.panels for curve in panel.curves):

@@ -167,7 +167,7 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     Equal figures give identical files.
 
     Raises:
-        ValueError: if the suffix is none of these, or the folder does not exist.
+        ValueError: if the suffix is not png, svg or pdf, or the folder does not exist.
     """
     target = checked_target(path, FIGURE_SUFFIXES)
     kind = target.suffix.lower().removeprefix(".")

@@ -125,8 +125,7 @@ def _draw_profile(axes: Axes, made: BlastedSurface) -> None:
 
 
 def _draw_course(axes: Axes, made: BlastedSurface) -> None:
-    """Draw roughness Rz and coverage over the time (s) for which the belt has been over the track.
-    """
+    """Draw roughness Rz and coverage over the time (s) that the belt has been over the track."""
     time = _strike_times(made, made.course["strikes"])
     roughness = MICROMETRES * made.course["rz"]
     low, high = MEASURED_RZ

@@ -65,8 +65,8 @@ class CueTiming:
     """A simulated release of the bristle, the cues by several methods, and passes with the bar at
     two positions.
 
-    A cue is the bar position from which the released bristle strikes at its highest speed, with the
-    cue time and this speed.
+    A cue is the bar position from which the released bristle strikes at its highest speed. It also
+    has this speed, and the cue time from the release to the strike.
 
     Attributes:
         tool: the tool.
@@ -77,12 +77,12 @@ class CueTiming:
         formula: cue by the formulas; None if the belt has no stiffness.
         reference: cue by the independent reference solver; None if it was not requested.
         bar: the bar at the position with which the cues are compared.
-        passes: results of whole passes. In the first pass the bar is at the position of the cue
-            ``simulated``; without this cue there is no such pass. In the last pass the bar is
-            ``bar``.
-        readings: results for several belt stiffnesses, by name: each interpretation of the unit of
-            the printed stiffness, and the stiffness at the filmed 254 Hz. The key ``own`` has the
-            results for the tool's stiffness, if that is none of these.
+        passes: results of whole passes. In the first pass the bar stands at the position of
+            ``simulated``; if ``simulated`` is None, this pass is absent. In the last pass the bar
+            is ``bar``.
+        readings: results for several belt stiffnesses, by name. They are the printed stiffness in
+            each possible unit, the stiffness that gives the filmed 254 Hz, and, under the key
+            ``own``, the tool's stiffness if it differs from the others.
     """
 
     tool: Tool
@@ -100,8 +100,8 @@ class CueTiming:
         """Centre lines of the wire (m) at its release and at its highest speed, shape (2, corners,
         2).
 
-        Both are rotated by the same angle about the hub's centre. This angle brings the wire's root
-        at the instant of highest speed to the impact angle gamma.
+        Both lines are rotated about the hub's centre by one angle. The root of the wire at highest
+        speed then stands at the impact angle gamma from the workpart's normal.
         """
         assert self.tool.workpart is not None
         geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)

@@ -80,8 +80,8 @@ class Design:
         varied: designed values of the varied parameters, by name.
         wants: target values, and the values that the designed tool reaches.
         report: report of the simulated pass of the designed tool.
-        before: simulated quantities of the tool before the design; None for a quantity that its
-            pass lacks.
+        before: simulated quantities of the given tool, before the design. A quantity that the given
+            tool's pass lacks is None.
         sensitivity: derivatives of the quantities with respect to each parameter; NaN if the
             quantity jumps at the designed tool.
         kept: lowest and highest value of each parameter at which all quantities stay within 1 %
@@ -89,8 +89,8 @@ class Design:
         conflict: names of the quantities whose target values or upper limits cannot be met
             together; empty if all are met.
         trade_off: values of two conflicting quantities, and of the varied parameters, along the
-            curve of best compromises between the two quantities. The keys are their names. It is
-            empty unless exactly two quantities conflict.
+            curve of best compromises between the two quantities. The keys are the names of
+            quantities and parameters. Empty unless exactly two quantities conflict.
         check: agreement between simulations and the fast vectorised passes of the search.
     """
 

@@ -105,11 +105,11 @@ class FilmMap:
 
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
-    """Map the touches, compression time and crater depth, and find the point nearest to the
-    measurements.
+    """Compute maps of touches, compression time and crater depth, and find the point that is
+    nearest to the measurements.
 
-    The axes of the map are the duration of the contact and the damping of the wire. The shape, the
-    number of links and the friction of the nearest point's tool are then varied.
+    The axes of a map are the duration of the contact and the damping of the wire. The tool of the
+    nearest point is then varied in shape, number of links and friction.
 
     Raises:
         ValueError: if no pass of the map strikes, or the optional dependencies ``sweep`` are not

@@ -101,11 +101,11 @@ class FlexibleStrike:
         return self.contact.stiffness(inverse_mass, part.restitution)
 
     def of(self, links: int, **changes: Any) -> FlexibleStrike:
-        """Return the strike of a wire with another number of links, and other changed attributes."""
+        """Return a copy with ``links`` links in the wire, and with changed values of attributes."""
         return dataclasses.replace(self, tool=self.tool.replace(wire_links=links), **changes)
 
     def run(self, flight: float = 0.0) -> ChainStrike:
-        """Simulate the strike, and the free motion for ``flight`` seconds after it."""
+        """Simulate the strike, and the free motion for ``flight`` seconds after the contact."""
         return strike_wire(
             *self._start(), self.settings, duration=self.contact.duration, flight=flight
         )

@@ -1,5 +1,5 @@
-"""The ground that strikes leave on a part of the track. One of three rules determines how a crater
-meets earlier craters.
+"""The ground that strikes leave on a part of the track, the strip of the workpart under the belt.
+One of three rules determines how a crater meets earlier craters.
 
 Every strike lowers the shape of one crater (``theory/crater_body.py``) until its deepest point is
 at a height z_0, and removes everything above the shape. The rules differ in z_0:
@@ -214,8 +214,7 @@ def whole_planes(blasting: Blasting) -> Blasting:
     """Return the blasting parameters with the ground's width rounded to a multiple of the distance
     between two planes of bristles.
 
-    Parameters with randomly placed strikes are returned unchanged, since such strikes have no
-    planes.
+    If the strikes are placed at random, there are no planes, and the parameters are unchanged.
     """
     if blasting.places == "random":
         return blasting

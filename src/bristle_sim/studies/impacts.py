@@ -260,7 +260,7 @@ def _compared(
 def _tolerance(impacts: Impacts, settings: Settings, jam: float = math.inf) -> float | None:
     """Return the accepted relative difference of the requested contact law from theory.
 
-    It is None for a law that does not follow the theory. The accepted difference grows as the
+    A contact law that does not follow the theory has None. The accepted difference grows as the
     friction mu approaches the friction ``jam`` at which the rod jams. There the rounding error of
     the inverse mass matrix K is amplified by the factor 1/|1 - mu/jam|.
 

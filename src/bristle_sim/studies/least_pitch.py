@@ -186,7 +186,7 @@ def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
 
     Above the first pitch, neighbouring wires do not touch before the leading bristle strikes. Above
     the second, they do not touch before the following bristle strikes. Above the third, they do not
-    touch during the whole pass. A pitch is None if there is no such strike, or if
+    touch during the whole pass. The theoretical pitch is None if the strike does not occur, or if
     :func:`unsearched` returns a reason.
     """
     contact = lone.first_contact("workpart")

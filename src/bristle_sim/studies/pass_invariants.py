@@ -1,5 +1,5 @@
-"""Invariants that every pass must satisfy, whatever its parameters: energy, no overlap, friction,
-and the impact law at the strike.
+"""Invariants that every pass of a bristle past bar and workpart must satisfy, whatever the tool:
+energy, no overlap, friction, and the impact law at the strike.
 
 The invariants, and the geometry of a rigid wire's contacts, are computed from the trajectory and
 the tool's parameters alone, independently of the simulation. Points and directions are complex

@@ -1,5 +1,7 @@
-"""A pass up to its strike, with some of the tool's parameters changed: one point of a map or a
-sweep.
+"""One point of a map or a sweep: a pass up to its strike, with some of the tool's parameters
+changed.
+
+A pass is the trip of one bristle past bar and workpart.
 """
 
 import dataclasses
@@ -151,8 +153,8 @@ def crater_depth(
 
     The tip is as wide as the wire. It cuts along its velocity into API 5L steel. The shear plane
     ends at the workpart's surface, which is inclined to the tip's path (theory/crater_cutting.py).
-    The depth is NaN if no chip is cut. This is so without friction, for a wire without thickness,
-    and for a tip that does not enter the workpart obliquely. The arguments broadcast.
+    The depth is NaN if no chip is cut: without friction, with a wire of zero diameter, or if the
+    tip does not enter the workpart obliquely. The arguments broadcast.
 
     Args:
         lost: energy that the tip loses in compression, J.

@@ -34,7 +34,7 @@ def name_of(function: Any) -> str:
 
 
 def identity_of(function: Callable[..., Any], version: str = "") -> str:
-    """Return a digest of a function, from which a store notices that the function has changed.
+    """Return a digest by which a store of results notices that a function has changed.
 
     The digest covers the function's source, the values bound to it, this package, the versions of
     NumPy, pymunk and SciPy, and the user's ``version``.

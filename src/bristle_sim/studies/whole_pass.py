@@ -62,7 +62,7 @@ PRINTED = {
 
 @dataclass(frozen=True, slots=True)
 class WholePass:
-    """A simulated pass.
+    """A simulated pass: the trip of one bristle past bar and workpart.
 
     Attributes:
         tool: the tool.

@@ -184,10 +184,10 @@ class MujocoModel:
         self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
 
     def _last_above(self, block: int) -> tuple[float, ...]:
-        """Integrate until the tip is below the workpart's surface; return the latest state above
-        it.
+        """Integrate until the tip is below the workpart's surface; return the state before.
 
-        The tip's height is tested after every ``block`` steps.
+        The tip's height is tested after every ``block`` steps. The returned state is that of the
+        last test at which the tip was not below the surface.
         """
         while True:
             before = self._state()

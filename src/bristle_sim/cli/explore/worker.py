@@ -6,10 +6,11 @@ Linear algebra runs in one thread in each process. The systems of equations of a
 rows. With several threads, which wait for each other, a run took three times as long while a map
 was computed.
 
-Server and process exchange pickled objects. The process reads computations, and requests to
-stop the present one, from its standard input. It writes its progress, a float, and its answer to
-its standard output. It ends when its input ends, and thus with the server, however the server ends.
-Unlike a process of multiprocessing, it does not import the program that started the server.
+Server and process exchange pickled objects. The process reads computations, and requests to stop
+the present one, from its standard input. It writes its progress, a float, and its answer to its
+standard output. It ends when its standard input ends, and therefore with the server, however the
+server ends. Unlike a process of multiprocessing, it does not import the program that started the
+server.
 """
 
 from __future__ import annotations
