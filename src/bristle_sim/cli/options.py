@@ -157,10 +157,10 @@ class Parser(argparse.ArgumentParser):
 
 
 def value_of(read: Callable[[str], Any]) -> Callable[[str], Any]:
-    """Return a function that reads an option's value, and raises argparse's error for a bad value.
+    """Return a function that does what ``read`` does, but raises argparse's error for a bad value.
 
-    ``read`` is a function that reads the value, and raises ValueError for a bad value. The message
-    of the ValueError begins with the option's name without dashes.
+    ``read`` reads the value of an option from a text. For a bad value it raises ValueError, with a
+    message that begins with the option's name without dashes.
     """
 
     def reading(text: str) -> Any:

@@ -160,7 +160,7 @@ def _try_again(number: int) -> None:
 def document(name: str, values: Mapping[str, Any], report: Report, **further: Any) -> str:
     """Return the results of a scenario as JSON, in SI units at full precision.
 
-    ``further`` are additional entries.
+    ``name`` is the scenario's name, ``values`` are its parameters, ``further`` additional entries.
     """
     found = {
         "outcome": report.outcome,

@@ -140,7 +140,10 @@ def half_unit(printed: str) -> float:
 
 
 def audit_report(view: AuditView) -> Report:
-    """Recompute all printed numbers and statements, and return the report of the audit."""
+    """Recompute all printed numbers and statements, and return the report of the audit.
+
+    ``view`` selects the rows of the table on the terminal.
+    """
     begin = clock.perf_counter()
     rows = audit_rows()
     counts = Counter(row.status for row in rows)

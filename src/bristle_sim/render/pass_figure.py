@@ -1,6 +1,6 @@
 """Figure of a whole pass: the tool to scale with the tip's path, and curves over time.
 
-The curves are retraction, relative rate and energy.
+The curves are the retraction, the angular velocity relative to the hub, and the energy.
 """
 
 from __future__ import annotations

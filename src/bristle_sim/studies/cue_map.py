@@ -95,7 +95,9 @@ def cue_map(
 ) -> Report:
     """Find the bar's direction for a radial strike, and its direction for the highest tip speed.
 
-    The two directions are compared with each other and with the cue formula.
+    The two directions are compared with each other and with the cue formula. ``grid`` holds extent
+    and resolution of the maps. ``with_reference`` states whether the independent reference solver
+    also finds both directions.
 
     Raises:
         NotCuedError: if no direction gives a radial strike.

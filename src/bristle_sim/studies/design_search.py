@@ -244,7 +244,7 @@ class Search:
         return names
 
     def trade_off(self, pair: tuple[str, ...]) -> Array:
-        """Return points on the curve of best compromises between two conditions.
+        """Return points on the curve of best compromises between two conditions, named by ``pair``.
 
         The first condition is met at the first point, the second condition at the last point. The
         shape is (parameters, points).
@@ -264,7 +264,7 @@ class Search:
         return np.array(curve[::-1]).T
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
-        """Return the largest weighted deviation from a condition at a point, a magnitude."""
+        """Return the largest magnitude of weighted deviations from the conditions at ``place``."""
         return float(np.max(np.abs(weights * self.misses(place[:, np.newaxis])[:, 0]), initial=0.0))
 
     def _closest(self, start: Array, function: Function) -> Array:

@@ -105,11 +105,12 @@ class FilmMap:
 
 
 def film(tool: Tool, grid: FilmGrid, settings: Settings) -> Report:
-    """Compute maps of touches, compression time and crater depth, and find the point that is
-    nearest to the measurements.
+    """Compute maps of a strike's measures, and find the point nearest to the measured values.
 
-    The axes of a map are the duration of the contact and the damping of the wire. The tool of the
-    nearest point is then varied in shape, number of links and friction.
+    The measures are the touches, the compression time and the crater depth. The axes of a map are
+    the duration of the contact and the damping of the wire. The tool of the nearest point is then
+    varied in shape, number of links and friction. ``grid`` holds the points of the maps, and the
+    settings of the camera.
 
     Raises:
         ValueError: if no pass of the map strikes, or the optional dependencies ``sweep`` are not

@@ -130,7 +130,7 @@ class FlexibleStrike:
 
 @dataclass(frozen=True, slots=True)
 class FlexibleWire:
-    """The simulated strikes that the study compares.
+    """Results of the study: the strike of a wire that bends, and that of a rigid bristle.
 
     Attributes:
         strike: the requested strike.

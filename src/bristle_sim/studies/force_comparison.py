@@ -91,8 +91,8 @@ def force_comparison(
 ) -> Report:
     """Compare the force of a simulated contact with the dissertation's curve (chapter 3).
 
-    If a measurement is given, a curve fitted to the measured points replaces the dissertation's
-    curve.
+    ``history`` holds the settings of the simulated contact. If ``measurement`` names a file, a
+    curve fitted to the measured points replaces the dissertation's curve.
 
     Raises:
         ValueError: if the measured points are not the force of a contact.

@@ -104,7 +104,7 @@ def oblique_impact(
 ) -> Report:
     """Simulate a strike of a radial bristle, and compare it with the closed-form solution.
 
-    The solution is that of Zhang 2020, eqs. 2.19-2.65.
+    ``state`` is the motion before the strike. The solution is that of Zhang 2020, eqs. 2.19-2.65.
     """
     gamma = math.radians(state.impact_angle_deg)
     chain = radial_chain(hub, bristle, gamma, state.speed_ratio * hub.speed)
@@ -336,7 +336,7 @@ def _report(
 
 
 def _law(law: str, one: ChainStrike, sign: float) -> dict[str, Any]:
-    """Return the results of one contact law for the JSON output, in SI units."""
+    """Return a contact law's results for the JSON output; ``sign`` is that of :func:`_report`."""
     normal, tangential = one.contact.impulse
     works = one.contact.work or (None, None)
     return {

@@ -194,7 +194,7 @@ def checked_by_scene(
 def scene_pass(
     tool: Tool, settings: Settings, values: Mapping[str, float]
 ) -> tuple[str, Mapping[str, float | None]]:
-    """Simulate one pass of the tool with some of its parameters changed, up to the strike.
+    """Simulate a pass up to the strike, with the tool's parameters changed to ``values``.
 
     Returns:
         The outcome in words.
@@ -202,7 +202,7 @@ def scene_pass(
     """
     log.info("single simulations check the passes")
     try:
-        with warnings.catch_warnings():  # of values between those that the user gave
+        with warnings.catch_warnings():  # about values that the user has not typed
             warnings.simplefilter("ignore", UnusualValueWarning)
             changed = tool.replace(**values)
         run = simulate(changed, settings, stop_after="strike")

@@ -98,7 +98,7 @@ class Ellipse(NamedTuple):
     def predicted(self, law: Law, friction: float, restitution: float) -> Array:
         """Return the impulses (normal, tangential) that a contact law gives (N s), shape (n, 2).
 
-        They are predicted from the measured velocities before the impacts.
+        The impulses follow from the measured velocities before the impacts.
         """
         approach = self.at_contact(self.before)
         hit = law(self.inverse_mass, approach, friction, restitution)
@@ -220,7 +220,8 @@ def read_ellipse(path: str) -> Ellipse:
 
 
 def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
-    """Return the friction mu and the restitution e* that fit a contact law to measured impacts.
+    """Return the friction mu and the restitution e* that fit a contact law to the impacts
+    ``train``.
 
     They minimise the mean relative error of the velocities after the impacts. The search starts at
     the best point of a coarse grid.
@@ -280,7 +281,8 @@ def ellipse_errors(ellipse: Ellipse, compliance: float) -> dict[str, float]:
     """Fit each contact law to every second impact, and return its mean error on the other impacts.
 
     The result also has the number of impacts, the mean error with the impulses that fit best, and
-    the friction and restitution of the fitted energetic law.
+    the friction and restitution of the fitted energetic law. ``compliance`` is the ratio eta^2 of
+    tangential to normal compliance of the contact.
     """
     train, test = (Ellipse(*(each[first::2] for each in ellipse)) for first in (0, 1))
     laws: dict[str, Law] = {

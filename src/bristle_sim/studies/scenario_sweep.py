@@ -70,7 +70,7 @@ class Series:
 
     @property
     def heading(self) -> str:
-        """Label with the readable unit."""
+        """Label of the series, with its customary unit."""
         unit = self.display[0]
         return f"{self.label} ({unit})" if unit else self.label
 
@@ -120,7 +120,8 @@ class Swept:
 def sweep_in_arrays(tool: Tool, settings: Settings, axes: dict[str, Series]) -> Swept:
     """Compute the passes of a straight rigid bristle at all points of a sweep at once.
 
-    Some points are also simulated one by one. ``check`` of the result states how well they agree.
+    ``axes`` holds the values of each parameter, by its name. Some points are also simulated one by
+    one. The attribute ``check`` of the result states how well both methods agree.
     """
     passes = pass_quantities(tool, settings, **_grids(axes))
     ranges = {key: (axis.values[0], axis.values[-1]) for key, axis in axes.items()}

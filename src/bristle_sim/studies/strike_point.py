@@ -136,7 +136,8 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 def crater_of(contact: ContactRecord, friction: float, wire_diameter: float) -> float | None:
     """Return the depth (m) of the crater that a tip cuts along its velocity before the contact.
 
-    The depth is None if the tip cuts no chip, or the contact law does not compute work.
+    ``friction`` is the coefficient of friction between chip and tip. The depth is None if the tip
+    cuts no chip, or if the contact law does not compute work.
     """
     if contact.compressive_work is None:
         return None

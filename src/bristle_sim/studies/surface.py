@@ -3,8 +3,8 @@ computed crater by crater.
 
 A crater on a plane is either the volume that the tip sweeps or a paraboloid of given size. The
 depth of the swept volume follows from the energy of the contact, for a surface inclined to the
-tip's path (``crater_study``). The tool's strikes are placed on a part of its track. The module
-``ground`` cuts their craters, which meet earlier craters.
+tip's path (``crater_study``). The tool's strikes are placed on a part of the track, the strip of
+the workpart under the belt. The module ``ground`` cuts one crater after the other.
 """
 
 import io

@@ -156,6 +156,8 @@ class Results:
     def _create(self, new: Shapes) -> None:
         """Write the metadata files that are absent or damaged, and open the arrays.
 
+        ``new`` holds the shapes of results that are added, by name.
+
         Raises:
             OSError: if a file cannot be written. An error is ignored if the file exists already,
                 since a folder on a full or read-only disk may hold all points.

@@ -142,7 +142,8 @@ class _Batches:
     def _next(self) -> list[Point]:
         """Return the next batch to send; it is empty if no batch can be sent yet.
 
-        A suspected point is sent only while no other batch is in progress.
+        A point that is suspected of having killed its worker is sent alone, while no other batch is
+        in progress.
         """
         most = 1 if self.size == 1 or self.suspects else WAITING * self._workers()
         if self.under_way and len(self.under_way) >= most:

@@ -112,6 +112,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     """Vary the inputs of a pass randomly, and report how much the strike varies and which inputs
     cause it.
 
+    ``spreads`` holds the half-widths of the inputs' intervals, ``sampling`` the number of samples.
+
     Raises:
         ValueError: if for some inputs in the intervals the bristle does not strike after leaving
             the bar.
@@ -280,7 +282,9 @@ def sobol_study(
 
 
 def _require_results(found: Measures, inputs: Mapping[str, Array], outputs: Sequence[str]) -> None:
-    """Check that every point has results.
+    """Check that the results ``found`` of a function are complete at all points.
+
+    ``inputs`` holds the values of the inputs, by name; ``outputs`` names the required results.
 
     Raises:
         ValueError: if points have no result. The message has the reason at one of them.

@@ -334,10 +334,10 @@ class GivenUpError(ValueError):
 
 
 def require_result(run: Trajectory, settings: Settings) -> None:
-    """Check that the solver did not give up a run.
+    """Check that the solver did not give up a run with the given settings.
 
     Raises:
-        GivenUpError: if the solver gave up.
+        GivenUpError: if the solver gave up. The message advises how to continue.
     """
     if run.stop_reason.gives_up:
         raise GivenUpError(

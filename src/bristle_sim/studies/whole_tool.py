@@ -146,10 +146,11 @@ class WholeTool:
 def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     """Sum the forces of all bristles, and compare the drive's power with the dissipated energy.
 
-    The reported forces act on the workpart: the normal force into it, the tangential force in the
-    direction in which the tips travel. The drive's torque includes the forces of the bar. The hand
-    holds hub and bar together, so the torque on the hand is the moment of the workpart's forces
-    alone.
+    ``assembly`` holds the number of bristles, and the bandwidth of the load cell under the
+    workpart. The reported forces act on the workpart: the normal force into it, the tangential
+    force in the direction in which the tips travel. The drive's torque includes the forces of the
+    bar. The hand holds hub and bar together, so the torque on the hand is the moment of the
+    workpart's forces alone.
 
     Raises:
         ValueError: if the hub is at rest, there is no workpart, the wire bends, or a run exceeds

@@ -239,10 +239,10 @@ def grazing() -> Iterator[HardCase]:
 
 
 def _dips(obstacle: str, depth: float) -> Tool:
-    """Return a tool with one obstacle, into which the circle of the undeflected tip dips.
+    """Return a tool with one obstacle, which the circle of the undeflected tip enters.
 
-    ``depth`` is the depth of the dip as a fraction of the bristle's length. If it is negative, the
-    tip misses the obstacle.
+    ``depth`` is the depth of entry as a fraction of the bristle's length. If it is negative, the
+    circle misses the obstacle.
     """
     if obstacle == "workpart":
         return TOOL.replace(bar=None, penetration=depth * LENGTH)

@@ -56,7 +56,8 @@ PROGRAM = "bristle-sim cue_and_impact"
 def knobs(pass_of: Scenario, start: Values) -> list[dict[str, Any]]:
     """Return the description of every parameter's control on the page, one dictionary each.
 
-    ``start`` holds the values of the tool that is shown first, by key.
+    ``pass_of`` is the scenario that simulates a pass. ``start`` holds the values of the tool that
+    is shown first, by key.
     """
     values = pass_of.values_of(start)
     groups = {each.key: part for part, fields in FIELDS.items() if part for each in fields.values()}
@@ -192,7 +193,8 @@ wire is radial when it strikes, except in the tool of Zhang (2020)."""
 def download(pass_of: Scenario, typed: Values, suffix: str) -> dict[str, bytes]:
     """Simulate a pass and return its results as the bytes of a file.
 
-    The file is the one that the command line writes. ``suffix`` is one of :data:`DOWNLOADS`.
+    The file is the one that the command line writes. ``suffix`` is one of :data:`DOWNLOADS`; the
+    other arguments are those of :func:`run_of`.
 
     Raises:
         ValueError: for bad input.
@@ -212,7 +214,10 @@ def download(pass_of: Scenario, typed: Values, suffix: str) -> dict[str, bytes]:
 
 
 def typed_of(tool: Tool, pass_of: Scenario) -> dict[str, Any]:
-    """Return the values that change the default tool into the given tool, as texts or numbers by key."""
+    """Return the parameters in which a tool differs from the default tool, by key.
+
+    The values are texts or numbers. ``pass_of`` is the scenario that simulates a pass.
+    """
     with TemporaryDirectory() as folder:
         path = Path(folder) / "tool.toml"
         write_tool(tool, path)

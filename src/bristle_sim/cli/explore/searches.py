@@ -88,7 +88,7 @@ def _coded(numbers: Array) -> str:
 def limits_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
     """Return a sentence on the values of the map's first parameter at which the outcome changes.
 
-    ``on`` is the JSON text that describes the map, as for :func:`map_of`.
+    The arguments are those of :func:`map_of`; ``on`` is the JSON text that describes the map.
     """
     tool = build_parameters(Tool, pass_of.values_of(typed))
     key, *ends = json.loads(on)["x"]
@@ -98,8 +98,8 @@ def limits_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
 def design_of(pass_of: Scenario, typed: Values, on: str) -> dict[str, Any]:
     """Find a tool whose pass attains the target values, and return its parameters and a sentence.
 
-    The two parameters of the map are varied in the ranges of the map. ``on`` is the JSON text that
-    describes the map, as for :func:`map_of`. Its further entry ``want`` holds the target values.
+    The two parameters of the map are varied in the ranges of the map. The arguments are those of
+    :func:`map_of`. The JSON text ``on`` also has an entry ``want`` with the target values.
     """
     asked = json.loads(on)
     tool = build_parameters(Tool, pass_of.values_of(typed))
@@ -117,7 +117,7 @@ def radial_bar(pass_of: Scenario, typed: Values) -> dict[str, Any]:
     """Return the position of the bar for which the wire strikes radially, as texts by key.
 
     In a radial strike, the line from root to tip has the radial direction. The distance of the bar
-    from the hub's centre is not changed.
+    from the hub's centre is not changed. The arguments are those of :func:`map_of`.
     """
     values = pass_of.values_of(typed)
     tool = build_parameters(Tool, values)
@@ -127,7 +127,10 @@ def radial_bar(pass_of: Scenario, typed: Values) -> dict[str, Any]:
 
 
 def surface_of(pass_of: Scenario, typed: Values) -> dict[str, Any]:
-    """Simulate the surface that the tool blasts, and return its picture as PNG in base64."""
+    """Simulate the surface that the tool blasts, and return its picture as PNG in base64.
+
+    The arguments are those of :func:`map_of`.
+    """
     from bristle_sim.render.style import save_figure
     from bristle_sim.render.surface_pictures import surface_figure
 
