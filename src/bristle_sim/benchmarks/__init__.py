@@ -1,1 +1,1 @@
-"""Benchmarks of the cost of accuracy, and of stability in hard cases."""
+"""Benchmarks: the CPU time that an accuracy costs, and the stability in hard cases."""

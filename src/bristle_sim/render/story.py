@@ -168,9 +168,9 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
 
 
 def _notable(trajectory: Trajectory) -> tuple[Event, ...]:
-    """Return the notable events without the releases of bounces.
+    """Return the notable events of a run, except the releases that end bounces.
 
-    A release belongs to a bounce if it has the same time as its touch.
+    A bounce is a touch whose release has the same time.
     """
     touches = dict[str, float]()
     found = []

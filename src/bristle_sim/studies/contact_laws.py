@@ -116,9 +116,9 @@ def contact_inverse_mass(chain: Chain) -> Array:
 
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:
-    """Return the velocity of the tip: (normal, tangential), m/s.
+    """Return the absolute velocity (normal, tangential) of the tip, m/s.
 
-    It includes the motion of the hub.
+    The motion of the hub is included.
     """
     speeds = np.array(
         [chain.hub_radius * chain.hub_speed, *np.multiply(chain.lengths, chain.rates)]

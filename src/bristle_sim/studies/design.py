@@ -250,8 +250,8 @@ def _found(search: Search) -> Design:
 def _sensitivity(search: Search, place: Array) -> dict[str, dict[str, float]]:
     """Return the derivatives of the quantities with respect to each parameter, in SI units.
 
-    A derivative is NaN if the quantity jumps at the designed tool. The sign of a jump is that
-    difference quotients with a coarse and with a fine step differ.
+    A derivative is NaN if the quantity jumps at the designed tool. A jump is recognised by
+    difference quotients that depend on their step.
 
     ``place`` holds the parameters of the designed tool as fractions of their ranges.
     """

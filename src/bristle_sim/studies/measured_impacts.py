@@ -220,10 +220,9 @@ def read_ellipse(path: str) -> Ellipse:
 
 
 def fitted(law: Law, train: Ellipse) -> tuple[float, float]:
-    """Return the friction mu and the restitution e* that fit a contact law to the impacts
-    ``train``.
+    """Return the friction mu and restitution e* that fit a contact law to the impacts ``train``.
 
-    They minimise the mean relative error of the velocities after the impacts. The search starts at
+    Both minimise the mean relative error of the velocities after the impacts. The search starts at
     the best point of a coarse grid.
     """
     from scipy.optimize import minimize

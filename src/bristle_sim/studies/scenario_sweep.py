@@ -218,8 +218,8 @@ def _with_workers(
 def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
     """Run a scenario at one point, and return its simulated values by name.
 
-    If a quantity has no simulated value, the value is that of its formula, with FORMULA after its
-    name. The entry ``failure`` is the reason why simulated values are missing.
+    If a quantity has no simulated value, the value of its formula is added, by the quantity's name
+    followed by FORMULA. The entry ``failure`` is the reason why simulated values are missing.
     """
     report = run(**keys)
     values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}

@@ -155,9 +155,7 @@ def _change(declared: Declaration, before: Any, after: Any) -> list[str]:
 
 
 def _typed(declared: Declaration, value: Any) -> str:
-    """Return a parameter's value as the shortest text that reads back exactly, for example ``27
-    mm``.
-    """
+    """Return the shortest text that states a parameter's value exactly, for example ``27 mm``."""
     if value is None or not isinstance(declared, Range):
         return declared.displayed(value)
     return exact_text(value, declared.key, declared.unit)
