@@ -208,7 +208,7 @@ def _contact_depths(
     path.
 
     Returns:
-        Two dictionaries, simulated and theoretical, with the names of CONTACT_DEPTHS. A depth is
+        The simulated depths and the theoretical depths, by the names of CONTACT_DEPTHS. A depth is
             missing if the shear plane does not reach the surface.
     """
     cut = _cut(crater, bristle)

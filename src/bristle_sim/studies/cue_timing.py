@@ -65,8 +65,8 @@ class CueTiming:
     """A simulated release of the bristle, the cues by several methods, and passes with the bar at
     two positions.
 
-    A cue is the bar position from which the released bristle strikes at its highest speed. It also
-    has this speed, and the cue time from the release to the strike.
+    A cue consists of the bar position from which the released bristle strikes at its highest speed,
+    of this speed, and of the cue time from the release to the strike.
 
     Attributes:
         tool: the tool.

@@ -135,10 +135,10 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     slope -= omega * weight * forward
 
     def lost(at: Array) -> Array:
-        """Return the energy lost between neighbouring samples of the indices ``at``, J.
+        """Return the energy lost between consecutive samples, J; ``at`` holds their indices.
 
-        The power is integrated over time by the trapezoidal rule with end corrections, which is of
-        fourth order.
+        The power lost is integrated over time by the trapezoidal rule with end corrections, which
+        is of fourth order.
         """
         step = np.diff(run.time[at])
         mean = 0.5 * (power[at][1:] + power[at][:-1])
@@ -210,8 +210,8 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     """Return the errors in the rigid-body impact law at the first strike of a run.
 
-    The keys are those of :func:`invariant_rows`. The dictionary is empty if the law does not apply
-    to the strike.
+    The keys are those of :func:`invariant_rows`. The dictionary is empty if there is no strike, or
+    if the law does not apply to the strike.
     """
     strike = run.first_contact("workpart")
     part = tool.workpart

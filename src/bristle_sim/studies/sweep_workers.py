@@ -192,8 +192,8 @@ class _Batches:
         """Queue the points of a lost batch again, or yield a point that has lost too many workers.
 
         Each point of the batch is tried again in a batch of its own. If a point, alone in its
-        batch, has lost ATTEMPTS workers, it is given up and yielded with the reason. Before that an
-        empty batch tests whether any worker is left.
+        batch, has lost ATTEMPTS workers, it is given up and yielded with the reason. An empty batch
+        tests beforehand whether any worker is left.
 
         Raises:
             RuntimeError: if no worker evaluates the empty batch.
