@@ -50,7 +50,7 @@ TOTAL = "total_compressive_work"
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """A family of curves: a quantity of the strike over one argument, for values of another.
+    """A family of curves: a quantity of the strike over one argument, for values of another one.
 
     All other arguments are those of the operating point.
 

@@ -317,7 +317,7 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     """Compare the strike of the row's last bristle with that of a lone bristle.
 
     The values of the lone bristle stand in the column of theory. The number of touches of the last
-    bristle by a neighbour is also compared; in theory it is 0.
+    wire is also listed; in theory it is 0, or None if the simulated wire is touched.
     """
     tool = row.tool
     last = row.bristles[-1]

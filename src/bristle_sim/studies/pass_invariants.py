@@ -149,7 +149,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
 
         The loss over each pair of neighbouring intervals is compared with the loss over both as one
         interval. The rule's error is proportional to the fifth power of a small interval. The bound
-        is twice the sum of the errors' magnitudes, since not all intervals are small enough.
+        is twice the sum of the errors' magnitudes, since not all intervals are that small.
         """
         steps = np.diff(run.time[flight])
         over_both = np.array([lost(flight[i : i + 3 : 2])[0] for i in range(len(flight) - 2)])

@@ -84,7 +84,7 @@ class Worker:
         weakref.finalize(self, _end, self._process)
 
     def begin(self, kind: str, arguments: tuple[Any, ...]) -> None:
-        """Let the process begin a computation. Calls of :meth:`answer` and :meth:`rest` must follow.
+        """Let the process begin a computation; call :meth:`answer` and :meth:`rest` afterwards.
 
         Args:
             kind: kind of computation, a key of ``KINDS``.
