@@ -182,8 +182,7 @@ class Search:
         """
 
         def merit(fractions: Array) -> Array:
-            """Return the objective plus a penalty on deviations; NO_STRIKE without all quantities.
-            """
+            """Return the objective plus a penalty on deviations; NO_STRIKE for missing quantities."""
             missed = np.abs(self.misses(fractions)).sum(axis=0)
             found = self.costs(fractions)[0] + PENALTY * missed
             return np.asarray(np.nan_to_num(found, nan=NO_STRIKE))
