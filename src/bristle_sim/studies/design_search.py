@@ -210,10 +210,12 @@ class Search:
         return found[:, self.costs(found)[0].argmin()], True
 
     def nearest(self, weights: Array, missed: Number = 0.0, starts: Array | None = None) -> Array:
-        """Return the point of the least sum of squares of weighted deviations from the conditions.
+        """Return the point with the least sum of squared weighted deviations from the conditions.
+
+        A point holds the parameters as fractions of their ranges.
 
         Args:
-            weights: weights of the conditions.
+            weights: weight of each condition.
             missed: accepted deviations, subtracted before weighting, shape (conditions, 1).
             starts: starting points of the search; by default the best sampled points.
         """

@@ -333,7 +333,7 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     coarse = dataclasses.replace(strike.settings, accuracy=STUDY_ACCURACY)
 
     def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
-        """Return measures divided by the rigid bristle's; NaN for a contact that does not end."""
+        """Return measures of strikes divided by the rigid bristle's; NaN without end of contact."""
         found = []
         for each in strikes:
             try:
