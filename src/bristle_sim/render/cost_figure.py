@@ -92,7 +92,7 @@ def verdict(target: float, own: Point | None, peer: Point | None) -> str:
     Args:
         target: the target error, at which the times are compared.
         own: measured point of this project's fastest method; None if no method meets the target.
-        peer: measured point of the fastest method of all other packages; None if there is none.
+        peer: measured point of the fastest method of all other packages; None if none meets it.
     """
     if own is None:
         return "none of our methods that integrate in time reaches a target error"

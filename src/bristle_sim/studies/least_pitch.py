@@ -23,7 +23,7 @@ from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.interpolation import cubics
 
 # Smallest step between tried pitches, rad. If the distance of the wires has a minimum between tried
-# pitches, the minimum is located exactly.
+# pitches, the pitch of the minimum is also tried.
 PITCH_STEP = math.radians(0.25)
 PITCH_TOLERANCE = 1e-9  # largest error of the least pitch, rad: 6e-8 deg
 # Number of equally spaced instants of a pass at which the distance is computed, besides the
