@@ -34,7 +34,8 @@ from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
 from bristle_sim.units import likely_key, shown
 
 # Largest deviation from a target value at which the target still counts as met. For angles it is
-# KEPT_DEG, in deg; for other quantities it is the fraction KEPT of the target value.
+# KEPT_DEG, in deg; for other quantities it is the fraction KEPT of the target value, or of the
+# quantity's standard deviation in the ranges if the target value is 0.
 KEPT = 0.01
 KEPT_DEG = 1.0
 # Changes of a parameter at which the deviations from the target values are computed, as fractions
@@ -284,8 +285,7 @@ def _kept(search: Search, place: Array) -> dict[str, tuple[float, float]]:
         passes = search.passes(points)
         lost = DISTANCES == 1.0  # at the end of the range at the latest
         for name, wanted in search.want.items():
-            allowed = KEPT_DEG if "_deg" in name else KEPT * abs(wanted)
-            if allowed:
-                lost |= ~(np.abs(passes[name] - wanted) <= allowed)
+            allowed = KEPT_DEG if "_deg" in name else KEPT * (abs(wanted) or search.spread[name])
+            lost |= ~(np.abs(passes[name] - wanted) <= allowed)
         fractions[row, side] = points[row, lost.argmax()]
     return {key: tuple(ends.tolist()) for key, ends in search.keys_at(fractions).items()}
