@@ -149,8 +149,8 @@ def plies_figure() -> Redrawn:
 def depth_figure(number: str) -> Redrawn:
     """Return figure 4.14, 4.15 or 4.17: crater depth over friction, impact angle or yield stress.
 
-    The stress is the shear yield stress. The points are values of the printed sum over plies
-    (4.57).
+    The stress is the shear yield stress. The points are values of the sum over plies as the
+    dissertation prints it in equation (4.57).
     """
     words, along, ends, (family, values) = FAMILIES[number]
     at = np.linspace(*ends, 8)

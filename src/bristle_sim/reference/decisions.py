@@ -322,7 +322,10 @@ def _hit(system: System, state: State, point: Point) -> State:
 
 
 def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point]) -> State:
-    """Set the normal velocity to zero at contacts that another impact has hardly lifted."""
+    """Return the state with zero normal velocity at points that hardly rebound.
+
+    An impact at a different point has given them a small velocity away from the obstacle.
+    """
     instant = system.at(state)
     low = [instant.touch(point) for point in points if _hardly_rebounds(system, state, point)]
     return state._replace(rates=state.rates + closed(instant.mass, low)[1]) if low else state

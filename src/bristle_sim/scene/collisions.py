@@ -277,10 +277,10 @@ def propagate_error(
     previous = recording.contacts[-1][0].time if recording.contacts else None
 
     def neighbour(off: float, late: float) -> ClosestApproach:
-        """Return the closest approach of a neighbouring motion at a time after the touch.
+        """Return gap, contact point and velocity of the pair in a slightly different motion.
 
-        ``off`` is the angular velocity of each link in the neighbouring motion minus that in the
-        simulated motion, ``late`` the time after the touch.
+        In this motion every link's angular velocity at the touch is greater by ``off`` than in the
+        simulated motion. The result is that at the time ``late`` after the touch.
         """
         moving = [rate + off for rate in before.rates]
         angles = [a + error + late * u for a, u in zip(before.angles, moving, strict=True)]

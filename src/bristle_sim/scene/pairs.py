@@ -322,11 +322,11 @@ def contact_rows(
 ) -> Array:
     """Return the Jacobian of the contact points' velocities in the links' angular velocities.
 
-    The matrix has the shape (2 pairs, links): first the rows of the normal velocities of all pairs,
-    then those of the tangential velocities. With the contact normal n and an arm r, a link's entry
-    is Re(i conj(n) r) in a normal row and -Im(i conj(n) r) in a tangential row. For the touching
-    link r is the vector from its joint to the contact point. For a link nearer to the root r is the
-    vector from joint to tip. The entries of another wire's links have the opposite sign.
+    It has one column for each link: first a row for the normal velocity of each pair, then a row
+    for each tangential velocity. The normal n points from the obstacle to the wire. With an arm r,
+    a link's entry is Re(i conj(n) r) in a normal row and -Im(i conj(n) r) in a tangential row. The
+    arm of the touching link is the vector from its joint to the contact point, that of the links
+    before it the vector from joint to tip. An obstacle that is a wire has the opposite signs.
 
     Args:
         mechanism: the mechanism.

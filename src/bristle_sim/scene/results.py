@@ -155,9 +155,9 @@ def contacts_in_si(
 ) -> tuple[ContactRecord, ...]:
     """Return a wire's contact records in SI units, in order of time.
 
-    A record holds the angles and angular velocities of this wire only. The record also states the
-    number of the link in contact and, in a contact of two bristles, the number of the other
-    bristle.
+    A returned record holds the angles and angular velocities of this wire only, the number of the
+    link in contact and, in a contact of two bristles, the number of the other bristle. ``records``
+    pairs the record of each contact of the run with the indices of the links in contact.
     """
     size = mechanism.wire_links
     own = slice(wire * size, (wire + 1) * size)

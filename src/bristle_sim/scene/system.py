@@ -313,8 +313,9 @@ class System:
     def at_joint(self, pair: ContactPair) -> ContactPair:
         """Return the pair to which a touch is assigned.
 
-        A touch of the bar at the joint of a link with the next link towards the root belongs to
-        that next link, whose round end is there. Any other touch belongs to ``pair`` itself.
+        Where two links meet at a joint, the wire's round end belongs to the link nearer to the
+        root. If the bar touches the link of ``pair`` at this joint, the result is the pair of the
+        bar and the link nearer to the root. Otherwise it is ``pair``.
         """
         lower = self.neighbour(pair, -1)
         if lower is None or not isinstance(pair, BarPair):

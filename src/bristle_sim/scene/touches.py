@@ -67,9 +67,9 @@ link and obstacle do not touch, and None."""
 def first_event(system: System, motion: Motion, interval: Interval) -> Found:
     """Search for the first event in an interval.
 
-    During a contact the search begins with the events of contacts, because a contact that slides
-    onto the neighbouring link is not a touch of that link. In flight it begins with touches, so
-    that an extreme after a touch need not be located.
+    During a contact the events of contacts are searched for first. Otherwise a contact that slides
+    onto the neighbouring link would be taken for a touch of that link. In flight touches are
+    searched for first: extremes of the motion after a touch then need not be located.
 
     Returns:
         One of three pairs:

@@ -201,7 +201,8 @@ class Blasted(NamedTuple):
         ground: the ground.
         places: middle (x, y) of each crater's outline (m), in the order of the strikes.
         depths: depth that each crater would have on a plane, m.
-        course: number of strikes, Rz (m), coverage and mean depth (m) at several instants, by name.
+        course: values of four quantities after a growing number of strikes, by name: the number of
+            strikes, Rz (m), coverage, and mean depth (m).
     """
 
     ground: Ground

@@ -76,10 +76,12 @@ class BlastedSurface(EqualByValue):
         places: middle (x, y) of each crater's outline (m), in the order of the strikes.
         depths: depth that each crater would have on a plane, m.
         taken: volume that each strike removed, m^3.
-        course: number of strikes, Rz (m), coverage and mean depth (m) at several instants, by name.
+        course: values of four quantities after a growing number of strikes, by name: the number of
+            strikes, Rz (m), coverage, and mean depth (m).
         rz, rz_at_2_5_mm, rz_across, ra, rq, rsm: roughness, averaged over all profiles along the
-            slide (``rz_across``: across the slide). A value is None if the ground is too short for
-            the cut-off, or the profiles have no complete profile element.
+            slide (``rz_across``: across the slide; ``rz_at_2_5_mm``: with a cut-off wavelength of
+            2.5 mm). A value is None if the ground is too short for the cut-off wavelength, or the
+            profiles have no complete profile element.
         sections_across: number of section lengths in the profiles across the slide.
         sa, sdr: areal roughness of the unfiltered heights, measured from their mean.
         coverage, strikes_per_crater_area, mean_depth, removed_volume: measures of this part of the

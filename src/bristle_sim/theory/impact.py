@@ -264,8 +264,8 @@ def _row(end: End, squared: Number, values: Arguments) -> Impact:
 
     Where the tangential compliance eta^2 (``squared``) is below ``LEAST_COMPLIANCE``, the result is
     a mean of the rigid impact and of the impact on springs. Without friction the tangential spring
-    has no force, and the impact is rigid. ``values`` are the other arguments by name, and ``end``
-    is the function of ``_resolve``.
+    has no force, and the impact is rigid. ``values`` are the other arguments by name. ``end``
+    returns the normal impulse at which restitution ends.
     """
     impact = resolve_phases(**values, end=end)
     rubs = (values["friction"] > 0.0) | (values["restitution_friction"] > 0.0)

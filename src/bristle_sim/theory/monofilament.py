@@ -159,7 +159,7 @@ def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio
 
     The speed is v_C = (R L + r_h) omega, with the angular velocity omega of the hub, the ratio R of
     the bristle's angular velocity to omega, the length L and the hub's radius r_h. The dissertation
-    writes kappa omega L (2.33).
+    writes kappa omega L in (2.33), with kappa = R + r_h/L.
 
     In the dissertation R = 3.23, L = 27 mm and r_h = 27.5 mm, so that R L + r_h = 114.71 mm:
 
