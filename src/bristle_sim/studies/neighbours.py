@@ -317,14 +317,14 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     """Compare the strike of the row's last bristle with that of a lone bristle.
 
     The values of the lone bristle stand in the column of theory. The number of touches of the last
-    wire is also listed; in theory it is 0, or None if the simulated wire is touched.
+    wire is also listed; only the reference solution has it too.
     """
     tool = row.tool
     last = row.bristles[-1]
     touched = bool(_touches(last))
     ended = last.stop_reason is StopReason.END
     simulated = {"wire_contacts": float(len(_touches(last))), **strike_values(tool, last)}
-    theory = {"wire_contacts": None if touched else 0.0, **strike_values(tool, row.lone)}
+    theory = strike_values(tool, row.lone)
     referred: Values = {}
     if reference is not None:
         touches = float(len(_touches(reference)))
@@ -332,9 +332,9 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     # A touch may change all later motion, so that the lone bristle is no theory any more. If one
     # bristle stops the simulation, later touches of all bristles are missing.
     within = dict[str, float]()
+    if reference is not None:
+        within["wire_contacts"] = 0.0
     if reference is not None or not touched:
-        if reference is not None or ended:
-            within["wire_contacts"] = 0.0
         # Errors are relative to an angle of 1 rad, the hub's rate, and the strike of a lone
         # bristle.
         scales = (math.degrees(1.0), tool.hub.speed, 0.0)
