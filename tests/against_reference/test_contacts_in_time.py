@@ -361,6 +361,20 @@ def test_the_knee_of_a_bent_wire_meets_the_workpart(angle: float, position: floa
     assert height[:, 1].min() <= 1e-7 * run.tool.bristle.length
 
 
+@pytest.mark.parametrize("friction", [0.5, 0.6, 0.9])
+def test_a_radial_wire_that_friction_would_hold(friction: float) -> None:
+    """Slip and approach end together but for an error: in stiction no restitution belongs to the requested duration."""
+    tool = timed(1.7e-4, friction).replace(bar=None)
+    law = simulate_reference(replace(tool, contact=bs.Contact()), stop_after="strike").contacts[0]
+    assert law.outcome == "stiction"
+    exact = simulate_reference(tool, stop_after="workpart release").first_contact("workpart")
+    for accuracy in (1e-3, 1e-4, 1e-6, 1e-8):
+        run = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="workpart release")
+        contact = run.first_contact("workpart")
+        assert contact.impulse == pytest.approx(exact.impulse, rel=10.0 * accuracy)
+        assert contact.duration == pytest.approx(exact.duration, rel=10.0 * accuracy)
+
+
 @pytest.mark.parametrize("solve", [bs.simulate, simulate_reference])
 def test_a_second_point_that_touches_beside_the_first_is_no_second_strike(solve) -> None:
     """Knee and tip of a bent wire meet the workpart within one contact of 1 ms; the wire strikes once."""

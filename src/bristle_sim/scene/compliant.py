@@ -13,7 +13,13 @@ from typing import ClassVar
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.extrapolation import Extrapolation, damped_interval
-from bristle_sim.scene.impacts import ContactLaw, EnergeticLaw, contact_at, impact_at
+from bristle_sim.scene.impacts import (
+    ContactLaw,
+    EnergeticLaw,
+    contact_at,
+    ending_together,
+    impact_at,
+)
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.scene.pairs import ClosestApproach, ContactPair, WorkpartPair
 from bristle_sim.scene.spring import SpringContact
@@ -106,10 +112,10 @@ class CompliantLaw(ContactLaw):
         assert isinstance(pair, WorkpartPair), "only the workpart's contacts are resolved in time"
         restitution = pair.restitution
         self._check(restitution)
-        point = contact_at(scene.mechanism, state, pair)
+        point, velocity = ending_together(contact_at(scene.mechanism, state, pair), self.accuracy)
         touch = point.touch
-        approach = touch.velocity[0]
-        rigid = impact_at(point, touch.velocity, pair)
+        approach = velocity[0]
+        rigid = impact_at(point, velocity, pair)
         # Ratio of unloading time to loading time; 1 if the contact ends with compression.
         unloading = restitution or 1.0
         fastest = max(1.0, *map(abs, state.rates))
@@ -136,7 +142,7 @@ class CompliantLaw(ContactLaw):
         longest = min(2.0 * duration / SAMPLES_OF_A_COURSE, damped_interval(scene))
         (normal, _), (_, tangential) = point.inverse_mass
         if compliance and tangential:
-            rigid = impact_at(point, touch.velocity, pair, compliance)
+            rigid = impact_at(point, velocity, pair, compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
         # The lightest link has the moment of inertia 1/3. At a normal velocity v its angular

@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.theory.impact_phases import Impact
+from bristle_sim.theory.impact_phases import OUTCOMES, STICTION, Impact
 
 Vector = tuple[float, float]
 
@@ -165,7 +165,8 @@ def stiffness_for_duration(
     velocity v per unit normal impulse. With a stiffness of 1 the normal force N and v obey v' = a
     N, and N' = -v in loading or N' = -v/e*^2 in unloading. The phase is therefore part of a
     harmonic motion. The duration of the phase follows from v and N at its start and at its end. The
-    impact law gives both.
+    impact law gives both. A contact that ends in stiction lasts until the end of compression: its
+    restitution has no impulse but that of rounding error.
 
     Args:
         impact: result of the rigid-body law for the same impact.
@@ -184,7 +185,8 @@ def stiffness_for_duration(
     works = impact.phase_work_normal.tolist()
     time = 0.0
     stored = 0.0
-    for index, impulse in enumerate(impact.phase_impulse.tolist()):
+    phases = 2 if impact.outcome_name == OUTCOMES[STICTION] else 4
+    for index, impulse in enumerate(impact.phase_impulse.tolist()[:phases]):
         if impulse <= 0.0:
             continue
         stiffness = 1.0
