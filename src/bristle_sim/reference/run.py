@@ -153,9 +153,9 @@ class Run:
             if time < until:
                 until = time
                 first = event
-        times = [*system.log.times(start, until), until]
-        course = motion(np.array(times))
-        states = [State(*each) for each in zip(times, *course.state[1:], strict=True)]
+        times = np.array([*system.log.times(start, until), until])
+        course = motion(times)
+        states = [State(*each) for each in zip(times.tolist(), *course.state[1:], strict=True)]
         for state, pushes in zip(states[:-1], course.balance.pushes, strict=False):
             self._sample(state, pushes)
         self.state = states[-1]
