@@ -57,9 +57,10 @@ class Event(NamedTuple):
         direction: sign of the event function after the event.
         resolution: magnitude below which a value of the event function is rounding error.
         follow: function that applies the consequence of the event to the state.
-        extreme: whether the event is an extreme of a quantity, and the event function its rate of
-            change. It may then have either sign at the start of the interval. Any other event
-            occurs at once if the event function already has the sign ``direction`` at the start.
+        extreme: whether the event is an extreme of a quantity, so that the event function is the
+            quantity's rate of change. This rate may have either sign at the start of the interval.
+            Any other event occurs at once if its event function already has the sign ``direction``
+            at the start.
     """
 
     value: Value

@@ -156,7 +156,7 @@ class Run:
         times = np.array([*system.log.times(start, until), until])
         course = motion(times)
         states = [State(*each) for each in zip(times.tolist(), *course.state[1:], strict=True)]
-        for state, pushes in zip(states[:-1], course.balance.pushes, strict=False):
+        for state, pushes in zip(states[:-1], course.balance.pushes[:-1], strict=True):
             self._sample(state, pushes)
         self.state = states[-1]
         sums = values(until)[2 * system.chain.links :].reshape(-1, 4)
@@ -230,7 +230,10 @@ class Run:
         return State(time, values[..., :links], values[..., links : 2 * links])
 
     def _sample(self, state: State, pushes: Array | None = None) -> None:
-        """Record a state and the forces of the sustained contacts, which are computed unless given."""
+        """Record a state and the forces ``pushes`` of the sustained contacts, N.
+
+        Forces that are not given are computed.
+        """
         system = self.system
         points = [each.point for each in system.sustained]
         if pushes is None:

@@ -163,7 +163,10 @@ class Instant:
         return balance(self.mass, self.forces, self.contacts)
 
     def gaps(self, name: str) -> Array:
-        """Return the gaps between the wires and the obstacle of the given name (m), shape (..., gaps)."""
+        """Return the gaps between the wires and the obstacle of the given name, m.
+
+        The shape is (..., pieces), or (..., pairs) for the gaps between wires.
+        """
         if name not in self._gaps:
             self._gaps[name] = self.system.obstacles[name].gaps(self.system.chain, self.motion)
         return self._gaps[name]
