@@ -213,20 +213,21 @@ def test_of_a_wire() -> None:
         )
 
 
-@pytest.mark.parametrize("accuracy", [1e-6, 1e-9])
-def test_a_slip_that_hardly_begins(accuracy: float) -> None:
+def test_a_slip_that_hardly_begins() -> None:
     """The tip of two links at 2600 rpm slides back for 0.2 us at no more than 23 nm/s, sticks, and slides forward again."""
     bristle = replace(bs.Tool().bristle, links=2)
     tool = replace(
         timed(1e-4), bristle=bristle, hub=bs.Hub(speed=272.27), belt=bs.Belt(damping_ratio=0.05)
     )
-    run = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="workpart release")
     exact = simulate_reference(tool, accuracy=1e-10, stop_after="workpart release")
-    found, expected = (each.first_contact("workpart") for each in (run, exact))
-    assert found.time + found.duration == pytest.approx(
-        expected.time + expected.duration, abs=accuracy * 1e-3
-    )
-    assert found.impulse == pytest.approx(expected.impulse, rel=accuracy)
+    expected = exact.first_contact("workpart")
+    for accuracy in (1e-6, 1e-9):
+        run = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="workpart release")
+        found = run.first_contact("workpart")
+        assert found.time + found.duration == pytest.approx(
+            expected.time + expected.duration, abs=accuracy * 1e-3
+        )
+        assert found.impulse == pytest.approx(expected.impulse, rel=accuracy)
 
 
 def test_in_a_row() -> None:

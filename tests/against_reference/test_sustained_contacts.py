@@ -338,3 +338,30 @@ def test_a_sticking_tip_whose_slip_friction_would_lock_leaves_the_workpart():
     assert first.outcome == second.outcome == "release"
     # Ten accuracies of the time scale of the belt, 1 ms.
     assert first.duration == pytest.approx(second.duration, rel=0.0, abs=1e-8)
+
+
+def test_each_point_of_a_wire_that_touches_the_workpart_is_released():
+    """The knee drags, the tip strikes without a rebound and turns the wire off its knee, and drags on alone."""
+    tool = bs.Tool().replace(
+        hub_speed=399.0,
+        bristle_length=0.0228,
+        wire_diameter=3.15e-4,
+        belt_stiffness=0.04,
+        belt_damping_ratio=0.431,
+        friction=0.0455,
+        restitution=0.0,
+        bar_radius=6.64e-3,
+        bar_horizontal=0.0232,
+        bar_vertical=0.042,
+        penetration=6.62e-3,
+        knee_angle_deg=-54.1,
+        knee_position=0.806,
+    )
+    words = ["strike", "workpart touch", "workpart release", "workpart release"]
+    runs = (bs.simulate(tool, bs.Settings(accuracy=1e-8)), bs.simulate_reference(tool))
+    for run in runs:
+        events = [each for each in run.events if each.name in words]
+        assert [each.name for each in events] == words
+        assert events[1].time == events[2].time
+    times = [[each.time for each in run.events if each.name in words] for run in runs]
+    assert times[0] == pytest.approx(times[1], abs=1e-9)

@@ -407,7 +407,11 @@ def started(name: str, *arguments: str) -> list[str]:
 @posix
 @pytest.mark.parametrize(
     ("number", "status", "line"),
-    [("SIGINT", 130, "interrupted\n"), ("SIGTERM", 143, ""), ("SIGHUP", 129, "")],
+    [
+        ("SIGINT", 130, "interrupted\n"),
+        ("SIGTERM", 143, ""),
+        pytest.param("SIGHUP", 129, "", marks=pytest.mark.nightly),
+    ],
 )
 def test_a_signal_leaves_no_partial_file(number: str, status: int, line: str, tmp_path: Path):
     """It is sent as soon as a film of some seconds has its partial file."""

@@ -93,6 +93,7 @@ def test_one_figure_alone(tmp_path: Path, capsys):
     assert {path.name for path in tmp_path.iterdir()} == {"figures", "figures.pdf"}
 
 
+@pytest.mark.nightly
 def test_every_figure(tmp_path: Path, capsys):
     found = document(capsys, "dissertation_figures", "--plot", str(tmp_path))
     computed = (

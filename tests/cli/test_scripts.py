@@ -213,6 +213,9 @@ OUTCOMES = {"rebound", "no rebound", "stiction", "no contact"}
 SIDES = ("simulated", "theory", "reference", "printed")
 SIGNATURES = {".png": b"\x89PNG", ".gif": b"GIF89a"}
 
+LONG_WITH_EACH_KEY = {"bent_bristles", "whole_tool"}
+"""Scripts whose run for each of their keys takes some ten seconds in all."""
+
 each_script = pytest.mark.parametrize("name", SCRIPTS)
 
 
@@ -469,7 +472,11 @@ def other_values(found: Range | Choice, default: Any) -> list[str]:
 
 @pytest.mark.parametrize(
     "name",
-    [name for name in SCRIPTS if not PROMISES[name].quick and not name.startswith("dissertation")],
+    [
+        pytest.param(name, marks=[pytest.mark.nightly] if name in LONG_WITH_EACH_KEY else [])
+        for name in SCRIPTS
+        if not PROMISES[name].quick and not name.startswith("dissertation")
+    ],
 )
 def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.CaptureFixture[str]):
     """Alone, from the defaults: a key that changes nothing misleads whoever sets it.

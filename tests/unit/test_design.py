@@ -58,9 +58,9 @@ def test_a_minimisation_that_a_jump_misleads_gives_the_best_speed_on_its_way(
     ranges = {"hub_speed": (100.0, 500.0)}
     search = design_search.Search(FREE, ranges, {}, limit, "tip_speed_at_contact", -1.0)
 
-    def minimize(*_: Any, callback: Callable[[np.ndarray], None], **__: Any) -> OptimizeResult:
+    def minimize(objective: Callable[[np.ndarray], float], *_: Any, **__: Any) -> OptimizeResult:
         for place in (0.4, 0.7, 0.2):
-            callback(np.array([place]))
+            objective(np.array([place]))
         return OptimizeResult(x=np.array([end]))
 
     monkeypatch.setattr(design_search, "minimize", minimize)
@@ -145,9 +145,25 @@ def test_a_want_and_a_limit_that_contradict_each_other_have_a_curve() -> None:
     )
     assert found.conflict == ("tip_speed_at_contact", "normal_final_impulse")
     assert "at most" in found.answer
+    assert "whatever" not in found.remarks[0]
     speeds = found.trade_off["hub_speed"]
     assert speeds[[0, -1]] == pytest.approx([300.0, 150.0], rel=1e-5)
     assert (np.diff(speeds) < 0.0).all()
+
+
+def test_a_third_want_is_named_as_disregarded_on_the_curve_of_two() -> None:
+    impulse = float(bs.ensemble(FREE, hub_speed=150.0).normal_final_impulse)
+    wants = {
+        "tip_speed_at_contact": 300.0 * REACH,
+        "normal_final_impulse": impulse,
+        "contact_time": 0.01,
+    }
+    found = bs.design(FREE, vary={"hub_speed": (100.0, 500.0)}, want=wants)
+    assert found.conflict == ("tip_speed_at_contact", "normal_final_impulse")
+    (curve,) = found.remarks
+    assert curve.startswith(
+        "The best compromises, whatever the time of the strike, run from a tip speed"
+    )
 
 
 def test_a_limit_above_the_wanted_value_changes_nothing() -> None:

@@ -115,7 +115,7 @@ def decide(
     record(system, state, ending, "release" if new is None else new.obstacle)
     system.check_stop(state)
     for each in ending:
-        if not any(system.same_link(each.point, other.point) for other in staying):
+        if not any(system.same_contact(each.point, other.point) for other in staying):
             system.log.released(each.point, state.time)
     system.check_stop(state)
     return system.closed(state)

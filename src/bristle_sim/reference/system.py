@@ -102,9 +102,13 @@ class System:
         """
         return RATE_ROUNDING * self.fastest * max(1.0, float(np.abs(state.angles).max()))
 
-    def same_link(self, first: Point, second: Point) -> bool:
-        """Return whether two points belong to contacts of the same link with the same obstacle."""
-        if first.obstacle == "wire" or first.obstacle != second.obstacle:
+    def same_contact(self, first: Point, second: Point) -> bool:
+        """Return whether two points belong to the same contact.
+
+        A link has one contact with the bar, which moves along the link. Any other point of a wire
+        has a contact of its own.
+        """
+        if first.obstacle != "bar" or second.obstacle != "bar":
             return first == second
         links = self.chain.pieces.links
         return bool(links[first.piece] == links[second.piece])

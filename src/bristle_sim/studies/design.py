@@ -216,7 +216,8 @@ def _found(search: Search) -> Design:
             points = search.trade_off(conflict)
             passes = search.passes(points)
             curves = {name: passes[name] for name in conflict} | search.keys_at(points)
-            remarks.append(curve_in_words(curves, conflict))
+            free = [name for name in search.want if name not in conflict]
+            remarks.append(curve_in_words(curves, conflict, free))
     elif search.want:
         kept = _kept(search, place)
         remarks.append(kept_in_words(kept))

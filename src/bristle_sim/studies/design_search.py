@@ -44,7 +44,10 @@ PENALTY = 30.0
 NO_STRIKE = 1e6  # value that replaces the objective where a pass lacks a quantity
 MET = 1e-6  # largest deviation at which a condition counts as met, in standard deviations
 DIGITS = 12  # decimals of a parameter's fraction of its range; further ones are rounding error
-MOST_STEPS = 60  # largest number of iterations of a refinement
+MOST_STEPS = 60  # largest number of evaluations in the search for a point that meets the conditions
+# Largest number of iterations of a minimisation. Three to ten are needed where the objective is
+# smooth; where it jumps, none suffices.
+MOST_ITERATIONS = 20
 CURVE_POINTS = 25
 # Weight of the conditions that every point on the curve of compromises must meet, to about 1e-6;
 # the condition that is sacrificed has the weight 1
@@ -289,7 +292,7 @@ class Search:
 
         Where the outcome of a pass changes, objective and conditions jump. The minimisation may
         then end at a point that violates a condition, or that is worse than a point of an earlier
-        iteration. In that case the best point of all iterations that meets the conditions is
+        iteration. In that case the best of all evaluated points that meet the conditions is
         returned.
         """
         way = [start]
@@ -305,15 +308,20 @@ class Search:
             }
             for kind, rows in (("eq", wants), ("ineq", slice(wants.stop, None)))
         ]
+
+        def objective(place: Array) -> float:
+            """Return the objective at a point, and keep the point."""
+            way.append(place.copy())
+            return float(value(place)[0])
+
         found = minimize(
-            lambda place: value(place)[0],
+            objective,
             start,
             jac=lambda place: slopes(place)[0],
             bounds=[(0.0, 1.0)] * start.size,
             constraints=conditions,
             method="SLSQP",
-            options={"ftol": 1e-12, "maxiter": MOST_STEPS},
-            callback=lambda place: way.append(place.copy()),
+            options={"ftol": 1e-12, "maxiter": MOST_ITERATIONS},
         )
         places = np.clip(np.transpose([*way, found.x]).round(DIGITS), 0.0, 1.0)
         met = np.max(np.abs(self.misses(places)), axis=0, initial=0.0) <= MET

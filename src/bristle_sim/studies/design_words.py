@@ -47,13 +47,20 @@ def conflict_in_words(search: Search, conflict: Sequence[str]) -> str:
     return f"no tool in these ranges has {'both ' if len(conflict) == 2 else ''}{listed(parts)}"
 
 
-def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str]) -> str:
-    """Return a sentence with the two quantities at both ends of the curve of best compromises."""
+def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str], free: Sequence[str]) -> str:
+    """Return a sentence with the two quantities at both ends of the curve of best compromises.
+
+    Args:
+        curve: values of the two quantities along the curve.
+        conflict: names of the two quantities.
+        free: names of the quantities whose target values the curve disregards.
+    """
     ends = [
         " with a ".join(_quantity(name, float(curve[name][end])) for name in conflict)
         for end in (0, -1)
     ]
-    return f"The best compromises run from a {ends[0]} to a {ends[1]}."
+    held = f", whatever the {listed([QUANTITIES[name][0] for name in free])}," if free else ""
+    return f"The best compromises{held} run from a {ends[0]} to a {ends[1]}."
 
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:
