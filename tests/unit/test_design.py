@@ -218,7 +218,9 @@ def test_bad_input_is_refused_in_one_line(given: dict[str, Any], words: str):
     assert "\n" not in str(caught.value)
 
 
-def test_the_command_prints_and_writes_the_tool(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+def test_the_command_prints_and_writes_the_tool(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     file = tmp_path / "tool.toml"
     ask = ["design", "--want", "tip_speed_at_contact=39m/s", "--vary", "hub_speed=2000rpm:3000rpm"]
     assert command.main([*ask, "--write-tool", str(file), "--json", "-"]) == 0
@@ -231,6 +233,7 @@ def test_the_command_prints_and_writes_the_tool(capsys: pytest.CaptureFixture[st
     quantities = {each["name"]: each["simulated"] for each in found["quantities"]}
     assert quantities["tip_speed_at_contact"] == pytest.approx(39.0, rel=1e-7)
     assert "tip_speed_at_contact" in found["sensitivity"]["hub_speed"]
+    monkeypatch.setattr(design_search, "CURVE_POINTS", 3)
     assert (
         command.main([*ask, "--want", "lag_deg_at_contact=0", "--plot", str(tmp_path / "a.png")])
         == 1

@@ -107,7 +107,7 @@ def test_moves_in_any_order_show_the_present_tool(
     browser: Any, address: str, errors: list[str]
 ) -> None:
     page = tab(browser, address, errors, viewport={"width": 1400, "height": 900})
-    assert page.evaluate("moved(25, 1)")["faults"] == []
+    assert page.evaluate("moved(12, 1)")["faults"] == []
     assert errors == []
 
 
