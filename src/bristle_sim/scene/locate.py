@@ -163,7 +163,10 @@ def _zero(
         time = interval.length
         while begin == 0.0 and time > interval.instant:
             time *= 0.5
-            if value(integrate_to(time)) > tolerance:
+            at_time = value(interval.estimate(time))
+            if math.isnan(at_time):
+                at_time = value(integrate_to(time))
+            if at_time > tolerance:
                 begin = time
     found = settle(system, value, interval, begin, interval.length, tolerance)
     if found is not None:
