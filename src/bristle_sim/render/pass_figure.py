@@ -215,7 +215,7 @@ def _draw_tool(
             drawing.place(line)
             # The number stands inside the hub, alternately nearer to the rim and farther from it,
             # since roots may be close together.
-            inward = 0.86 - 0.1 * (mark.number % 2)
+            inward = 0.87 - 0.15 * (mark.number % 2)
             axes.plot(*(inward * MILLIMETRES * line[0]), **mark.look)
     return [*shown, drawing.root] if marks else shown
 
