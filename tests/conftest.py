@@ -6,6 +6,7 @@ the night draws its own (``BRISTLE_FRESH_EXAMPLES=1``), and runs the tests in a 
 
 from __future__ import annotations
 
+import gc
 import os
 import random
 import shutil
@@ -49,6 +50,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     drawn.shuffle(files)
     drawn.shuffle(items)
     items.sort(key=lambda item: files.index(str(item.path)))
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector run a thirtieth as often, and not through all that the tests import: a tenth of the CPU time."""
+    gc.freeze()
+    gc.set_threshold(20_000)
 
 
 @pytest.fixture(autouse=True)
