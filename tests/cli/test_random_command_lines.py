@@ -29,7 +29,7 @@ NUMBER = int(os.environ.get("BRISTLE_SIM_COMMAND_LINES", "2"))
 SEED = os.environ.get("BRISTLE_SIM_SEED", "1")
 
 LONGEST_RUN = 30.0
-"""CPU time after which a command line is ended, s; before it the progress must have said how long the rest will take."""
+"""CPU time after which a command line is ended, s; before it the progress must have said which part is done."""
 
 FIXED_WORK = {"accuracy_cost", "dissertation_audit", "dissertation_figures", "hard_cases"}
 """Scenarios whose keys choose among fixed work, of minutes in all; the suite runs them elsewhere, by their quick parts."""
@@ -57,7 +57,7 @@ needs_timer = pytest.mark.skipif(
 
 
 class Answer(NamedTuple):
-    """The result of a command line, and whether its progress said how long it takes; the status is None if it raised."""
+    """The result of a command line, and whether its progress said which part was done; the status is None if it raised."""
 
     status: int | None
     out: str
@@ -127,14 +127,14 @@ def cpu_limit(seconds: float) -> Iterator[None]:
 
 
 class Forecast(logging.Handler):
-    """Notes whether progress says how long a command line will take."""
+    """Notes whether progress says which part of a command line's work is done."""
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
         self.given = False
 
     def emit(self, record: logging.LogRecord) -> None:
-        if record.getMessage().endswith("s left"):
+        if "%" in record.getMessage():
             self.given = True
 
 

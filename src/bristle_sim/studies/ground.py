@@ -17,6 +17,7 @@ The ground is periodic: a crater that crosses one edge continues at the opposite
 from __future__ import annotations
 
 import dataclasses
+import logging
 import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -28,6 +29,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Blasting
 from bristle_sim.theory.crater_body import CraterBody
 from bristle_sim.theory.roughness import SECTIONS, roughness_profiles, section_heights
+
+log = logging.getLogger(__name__)
 
 # Number of strikes between two searches for the highest cell. Its height bounds the region that a
 # strike can cut. Strikes only lower cells, so an older value is still an upper bound.
@@ -184,8 +187,7 @@ def _cells(
 
 INSTANTS = 12  # number of instants at which roughness and coverage are recorded
 MOST_STRIKES = 200_000  # largest number of strikes on a surface; they take some minutes
-# Largest number of iterations of the search for the feed that gives a coverage. Usually it takes
-# two to four.
+# Largest number of iterations of the search for the feed that gives a coverage; two to four suffice
 COVERAGE_ROUNDS = 8
 # Error of the coverage at which the search for the feed ends, and largest error that is accepted
 # after the last iteration of the search
@@ -299,6 +301,7 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
         wanted = blasting.coverage
         expected = _avrami(wanted) * blasting.ground_length * blasting.ground_width / body.area()
     pause = max(1, math.ceil(expected / INSTANTS))
+    share = max(1, math.ceil(expected / 100.0))
     course = [(0.0, 0.0, 0.0, 0.0)]
     for done, ((x, y), depth) in enumerate(zip(places.tolist(), depths.tolist(), strict=True), 1):
         ground.strike(x, y, depth)
@@ -306,6 +309,8 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
         if ended or done % pause == 0:
             rz = mean_rz(ground, blasting.cutoff_wavelength)
             course.append((done, rz, ground.coverage, -float(ground.heights.mean())))
+        if done % share == 0:
+            log.info("%.0f %% of the strikes made", min(done / share, 99.0))
         if ended:
             break
     names = ("strikes", "rz", "coverage", "mean_depth")
