@@ -53,7 +53,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_collection_finish() -> None:
-    """Let the garbage collector run a thirtieth as often, and not through all that the tests import: a tenth of the CPU time."""
+    """Run the garbage collector less often, and not on the imported modules. It took 5 to 10 % of the tests' CPU time."""
     gc.freeze()
     gc.set_threshold(20_000)
 

@@ -281,9 +281,8 @@ def settle(
 
 
 # Shortest bracket of a root, as a time in engine units and as a fraction of the searched interval.
-# The smaller of the two applies.
 SHORTEST_BRACKET = 1e-15
-SHORTEST_BRACKET_FRACTION = 1e-12
+SHORTEST_BRACKET_FRACTION = 1e-12  # the smaller of the two applies
 MOST_TRIALS = 110
 """Largest number of evaluations. A smooth function needs three to six. A jump needs bisections down
 to the last digit of a double."""

@@ -45,8 +45,9 @@ NO_STRIKE = 1e6  # value that replaces the objective where a pass lacks a quanti
 MET = 1e-6  # largest deviation at which a condition counts as met, in standard deviations
 DIGITS = 12  # decimals of a parameter's fraction of its range; further ones are rounding error
 MOST_STEPS = 60  # largest number of evaluations in the search for a point that meets the conditions
+TOLERANCES = {"xtol": 1e-13, "ftol": 1e-13, "gtol": 1e-13}  # relative, of that search
 # Largest number of iterations of a minimisation. Three to ten are needed where the objective is
-# smooth; where it jumps, none suffices.
+# smooth. Where it jumps, no number suffices.
 MOST_ITERATIONS = 20
 CURVE_POINTS = 25
 # Weight of the conditions that every point on the curve of compromises must meet, to about 1e-6;
@@ -276,14 +277,7 @@ class Search:
             return start
         value, slopes = with_derivatives(function)
         found = least_squares(
-            value,
-            start,
-            slopes,
-            bounds=(0.0, 1.0),
-            xtol=1e-13,
-            ftol=1e-13,
-            gtol=1e-13,
-            max_nfev=MOST_STEPS,
+            value, start, slopes, bounds=(0.0, 1.0), max_nfev=MOST_STEPS, **TOLERANCES
         )
         return np.asarray(found.x)
 
@@ -291,9 +285,8 @@ class Search:
         """Return the point near ``start`` of least objective, subject to the conditions.
 
         Where the outcome of a pass changes, objective and conditions jump. The minimisation may
-        then end at a point that violates a condition, or that is worse than a point of an earlier
-        iteration. In that case the best of all evaluated points that meet the conditions is
-        returned.
+        then end at a point that violates a condition or is not the best. In that case the best of
+        all evaluated points that meet the conditions is returned.
         """
         way = [start]
         value, slopes = with_derivatives(

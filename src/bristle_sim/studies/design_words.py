@@ -59,8 +59,9 @@ def curve_in_words(curve: Mapping[str, Array], conflict: Sequence[str], free: Se
         " with a ".join(_quantity(name, float(curve[name][end])) for name in conflict)
         for end in (0, -1)
     ]
-    held = f", whatever the {listed([QUANTITIES[name][0] for name in free])}," if free else ""
-    return f"The best compromises{held} run from a {ends[0]} to a {ends[1]}."
+    names = listed([QUANTITIES[name][0] for name in free])
+    disregarded = f", without regard to the {names}," if free else ""
+    return f"The best compromises{disregarded} run from a {ends[0]} to a {ends[1]}."
 
 
 def kept_in_words(kept: Mapping[str, tuple[float, float]]) -> str:

@@ -310,7 +310,7 @@ def _blasted(blasting: Blasting, body: CraterBody, strikes: float) -> Blasted:
             rz = mean_rz(ground, blasting.cutoff_wavelength)
             course.append((done, rz, ground.coverage, -float(ground.heights.mean())))
         if done % share == 0:
-            log.info("%.0f %% of the strikes made", min(done / share, 99.0))
+            log.info("%.0f %% of the strikes made", min(100.0 * done / expected, 99.0))
         if ended:
             break
     names = ("strikes", "rz", "coverage", "mean_depth")
