@@ -277,9 +277,11 @@ def end_compliant_contact(system: System, each: Compliant, state: State) -> Stat
     The gap at this instant is stored as the dent, the indentation that the contact leaves in the
     workpart.
     """
-    record(system, state, [each], "rebound" if each.law.restitution else "no rebound")
+    touch = system.at(state).touch(each.point)
+    parts = each.law.restitution > 0.0 or touch.velocity[0] > system.still(state)
+    record(system, state, [each], "rebound" if parts else "no rebound")
     system.sustained.remove(each)
-    system.dents[each.point.piece] = system.at(state).touch(each.point).gap
+    system.dents[each.point.piece] = touch.gap
     system.log.released(each.point, state.time)
     system.check_stop(state)
     return state

@@ -21,8 +21,7 @@ modules below it in this list:
 - ``contact``: sustained contacts, and the forces of rigid contacts.
 - ``impacts``: the response of a contact point to an impulse, and the impact laws.
 - ``build``: the pymunk space of a mechanism, and the engine's steps.
-- ``solver``: joint and contact forces of several links; ``link_velocity``: contact forces of a
-  single link.
+- ``solver``: joint and contact forces.
 - ``pairs``: the geometry of a link and an obstacle that can touch.
 - ``mechanism``: chains of links.
 """

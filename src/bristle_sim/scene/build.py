@@ -25,10 +25,9 @@ from typing import Any
 import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
-from bristle_sim.scene.link_velocity import LinkVelocity
 from bristle_sim.scene.mechanism import Mechanism, State, xy
 from bristle_sim.scene.pairs import ClosedPair, ContactPair
-from bristle_sim.scene.solver import WireVelocities
+from bristle_sim.scene.solver import LinkVelocity, WireVelocities
 
 SHAPE_MARGIN = 0.02
 """Length by which the engine's shapes of obstacles are enlarged, as a fraction of the link's

@@ -205,9 +205,8 @@ def rigid_stiffness(
     first touch. The inverse mass along the normal is K_nn = l^2/I, with the lever l of the normal
     and the moment of inertia I of the straight wire, both about the root.
     """
-    size = mechanism.wire_links
     poses = mechanism.poses(state)
-    root = poses[pair.link - pair.link % size].joint
+    root = poses[pair.link - pair.link % mechanism.wire_links].joint
     lever = cross(poses[pair.link].joint + touch.arm - root, touch.normal)
-    inertia = mechanism.constants.products[:size, :size].real.sum()
-    return frictionless_stiffness(float(lever**2 / inertia), pair.restitution, duration)
+    inertia = float(mechanism.straight_mass_matrix().sum())
+    return frictionless_stiffness(lever**2 / inertia, pair.restitution, duration)

@@ -105,27 +105,6 @@ class Pose(NamedTuple):
     corners: tuple[complex, ...]
 
 
-class ChainConstants(NamedTuple):
-    """Constants of identical wires from which the mass matrix follows.
-
-    Let g_kj be the part of link j in the vector from a wire's root to the mass centre of link k,
-    with all links at angle 0. For j < k it is the vector from joint to tip of link j. For j = k it
-    is the vector from the joint to the mass centre of link k. For j > k it is 0.
-
-    Attributes:
-        inertias: moment of inertia of every link about its centre of mass.
-        arms: g_kj of one wire, stored at [j, k].
-        moments: complex conjugate of g_kj times the mass of link k, stored at [k, j].
-        products: complex matrix P. The entry (j, k) of the mass matrix is the real part of
-            P_jk e^{i (angle_k - angle_j)}.
-    """
-
-    inertias: Array
-    arms: Complexes
-    moments: Complexes
-    products: Complexes
-
-
 @dataclass
 class Mechanism:
     """One or several wires, each a chain of rigid links, on a hub of constant angular velocity.
@@ -222,23 +201,57 @@ class Mechanism:
         return np.array([link.corners[-1] for link in self.links])
 
     @cached_property
-    def constants(self) -> ChainConstants:
-        """Constants from which the mass matrix follows, computed when first needed."""
-        size = self.wire_links
-        wire = self.links[:size]
-        inertias = np.array([link.inertia for link in self.links])
-        tips = np.where(np.tri(size, k=-1, dtype=bool), self.tips[:size], 0.0)
-        arms = tips + np.diag([link.centre for link in wire])
-        moments = np.conj(arms).T * np.array([link.mass for link in wire])
-        products = np.kron(np.eye(self.wires), moments @ arms + np.diag(inertias[:size]))
-        return ChainConstants(inertias, arms.T, moments.T, products)
+    def arms(self) -> Complexes:
+        """Parts of the vectors from the hub's centre to the links' centres of mass.
+
+        Row k of the array, shape (links, 1 + links), belongs to link k. Its first entry is the
+        vector to the wire's root, with the hub at angle 0. The other entries are the parts of all
+        links at angle 0: the vector from joint to tip of each link that carries link k, the vector
+        from the joint to the centre of mass of link k itself, and 0.
+        """
+        wire = np.arange(len(self.links)) // self.wire_links
+        roots = -1j * self.hub_radius * np.exp(-1j * self.pitch * wire)
+        carriers = np.tril(wire[:, None] == wire, k=-1)
+        own = np.diag([link.centre for link in self.links])
+        return np.column_stack([roots, np.where(carriers, self.tips, own)])
+
+    @cached_property
+    def inertias(self) -> Array:
+        """Mass, mass again, and moment of inertia about the centre of mass of each link in turn."""
+        return np.array([[link.mass, link.mass, link.inertia] for link in self.links]).ravel()
+
+    @cached_property
+    def _still_rows(self) -> Array:
+        """``body_rows`` of links whose centres of mass do not move, shape (links, 3, 1 + links)."""
+        rows = np.zeros((len(self.links), 3, 1 + len(self.links)))
+        rows[:, 2, 1:] = np.eye(len(self.links))
+        return rows
+
+    def body_rows(self, turn: Complexes) -> Array:
+        """Return the Jacobian B of the links' velocities in the angular velocities.
+
+        It has three rows for each link: the velocity of its centre of mass along x and y, and its
+        angular velocity. The columns belong to the angular velocities of the hub and of all links.
+        ``turn`` is e^{i angle} of hub and links, shape (1 + links,).
+        """
+        rows = self._still_rows.copy()
+        velocities = 1j * self.arms * turn
+        rows[:, 0] = velocities.real
+        rows[:, 1] = velocities.imag
+        return rows.reshape(-1, len(turn))
 
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix, shape (links, links); the coordinates are the absolute angles.
 
         ``turn`` is e^{i angle} of each link, shape (links,).
         """
-        return np.asarray((turn.conj()[:, None] * self.constants.products * turn).real)
+        rows = self.body_rows(np.concatenate([[1.0], turn]))[:, 1:]
+        return np.asarray(rows.T * self.inertias @ rows)
+
+    def straight_mass_matrix(self) -> Array:
+        """Return the mass matrix of one wire whose links are all at the same angle."""
+        size = self.wire_links
+        return self.mass_matrix(np.ones(len(self.links), complex))[:size, :size]
 
 
 def xy(point: complex) -> Vector:

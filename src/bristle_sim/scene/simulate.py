@@ -292,7 +292,7 @@ def time_scale(scene: Scene) -> float:
     links = scene.mechanism.wire_links
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
     stiffness = scene.effects.hinge[0] * twists.T @ twists
-    mass = scene.mechanism.constants.products[:links, :links].real  # of the straight wire
+    mass = scene.mechanism.straight_mass_matrix()
     return 1.0 / math.sqrt(
         max(1.0, np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max())
     )

@@ -17,8 +17,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy  # imports scipy.stats, which takes half a second, only where it is used
 from scipy.optimize import differential_evolution, least_squares, minimize
-from scipy.stats.qmc import Sobol
 
 from bristle_sim.arrays import Array, Number
 from bristle_sim.parameters import Tool
@@ -103,7 +103,7 @@ class Search:
             ValueError: if no pass has all quantities, or a quantity does not depend on the
                 parameters.
         """
-        fractions = Sobol(len(self.vary), seed=SEED).random(SURVEYED).T
+        fractions = scipy.stats.qmc.Sobol(len(self.vary), seed=SEED).random(SURVEYED).T
         found = self.passes(fractions)
         names = {*self.conditions, *filter(None, [self.goal])}
         known = np.all([np.isfinite(found[name]) for name in names], axis=0)
