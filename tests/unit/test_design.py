@@ -112,6 +112,19 @@ def test_wants_that_conflict_are_named_with_the_best_compromises():
         bs.design(FREE, want={"tip_speed_at_contact": 20}, vary={"hub_speed": (100, 500)}).plot()
 
 
+def test_the_best_compromises_end_at_the_fastest_radial_strike():
+    """Most of these tools strike radially at a far lower speed, from which no small change leads to the fastest one."""
+    vary = CUED["vary"] | {"bar_vertical": ("18 mm", "26 mm")}
+    wants = {"tip_speed_at_contact": 45.0, "lag_deg_at_contact": 0.0}
+    curve = bs.design(want=wants, vary=vary).trade_off
+    radial = bs.design(want={"lag_deg_at_contact": 0}, maximize="tip_speed_at_contact", vary=vary)
+    (fastest,) = (
+        each.simulated for each in radial.report.quantities if each.name == "tip_speed_at_contact"
+    )
+    assert curve["tip_speed_at_contact"][[0, -1]] == pytest.approx([45.0, fastest], rel=1e-5)
+    assert curve["lag_deg_at_contact"][-1] == pytest.approx(0.0, abs=1e-4)
+
+
 def test_a_limit_that_no_tool_meets_is_named() -> None:
     """Without the bar the tip moves at omega (r_h + L), at least 100 REACH here."""
     vary = {"hub_speed": (100.0, 500.0)}

@@ -17,7 +17,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Report
 from bristle_sim.declared import Range
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.design_search import Search, with_derivatives
+from bristle_sim.studies.design_search import Search
 from bristle_sim.studies.design_words import (
     conflict_in_words,
     curve_in_words,
@@ -29,6 +29,7 @@ from bristle_sim.studies.many_passes import (
     Check,
     checked_by_scene,
     checked_range,
+    with_derivatives,
 )
 from bristle_sim.studies.whole_pass import QUANTITIES, whole_pass
 from bristle_sim.units import likely_key, shown
@@ -213,7 +214,7 @@ def _found(search: Search) -> Design:
     if not met:
         conflict = search.conflict()
         if len(conflict) == 2:
-            points = search.trade_off(conflict)
+            points = search.trade_off(conflict, place)
             passes = search.passes(points)
             curves = {name: passes[name] for name in conflict} | search.keys_at(points)
             free = [name for name in search.want if name not in conflict]

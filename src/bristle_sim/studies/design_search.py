@@ -11,9 +11,8 @@ quadratic programming then minimises the objective subject to the conditions.
 
 from __future__ import annotations
 
-import functools
 import itertools
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,7 +24,13 @@ from bristle_sim.parameters import Tool
 from bristle_sim.passes.request import key_values
 from bristle_sim.passes.strike import OUTCOMES, REFUSED
 from bristle_sim.settings import Settings
-from bristle_sim.studies.many_passes import OUTCOME, pass_quantities, values_at
+from bristle_sim.studies.many_passes import (
+    OUTCOME,
+    Function,
+    pass_quantities,
+    values_at,
+    with_derivatives,
+)
 from bristle_sim.studies.sweep_point import FAILURE
 
 SEED = 1
@@ -34,9 +39,6 @@ POPULATION = 256  # number of points in each generation of the differential evol
 GENERATIONS = 30
 STARTS = 4  # number of the best sampled points that are refined, and of the best evolved ones
 NEAR = 2  # decimals of the fractions; of points that agree to these decimals only one is refined
-# Step of a fraction in a finite difference. The truncation error is about 1e-10, as large as the
-# error of the passes.
-DIFFERENCE = 1e-5
 SETTINGS = Settings(accuracy=1e-10)  # accuracy of the passes
 # Penalty that is added to the objective if a quantity deviates from its condition by one standard
 # deviation. The objective itself varies by only a few of its standard deviations.
@@ -53,10 +55,6 @@ CURVE_POINTS = 25
 # Weight of the conditions that every point on the curve of compromises must meet, to about 1e-6;
 # the condition that is sacrificed has the weight 1
 STIFFNESS = 1e3
-
-Function = Callable[[Array], Array]
-"""Function of fractions of the parameters' ranges, shape (parameters, points), that returns values at
-the points."""
 
 
 @dataclass(slots=True)
@@ -171,10 +169,12 @@ class Search:
             One row for each target value, then one for each upper limit; shape (conditions,
             points).
         """
-        found = self.costs(fractions)[1:]
-        limits = slice(len(self.want), None)
-        found[limits] = np.maximum(found[limits], 0.0)
-        return found
+        return self._beyond(self.costs(fractions))
+
+    def _beyond(self, costs: Array) -> Array:
+        """Return the deviations and excesses of ``misses``, given the result of ``costs``."""
+        deviations, excesses = np.split(costs[1:], [len(self.want)])
+        return np.concatenate([deviations, np.maximum(excesses, 0.0)])
 
     def solution(self) -> tuple[Array, bool]:
         """Return the point with the least objective among those that meet all conditions.
@@ -187,8 +187,8 @@ class Search:
 
         def merit(fractions: Array) -> Array:
             """Return the objective plus a penalty on deviations; NO_STRIKE for missing quantities."""
-            missed = np.abs(self.misses(fractions)).sum(axis=0)
-            found = self.costs(fractions)[0] + PENALTY * missed
+            found = self.costs(fractions)
+            found = found[0] + PENALTY * np.abs(self._beyond(found)).sum(axis=0)
             return np.asarray(np.nan_to_num(found, nan=NO_STRIKE))
 
         population = np.resize(np.argsort(merit(self.surveyed)), POPULATION)
@@ -213,7 +213,13 @@ class Search:
         found = np.transpose([self._improved(met[each]) for each in distinct])
         return found[:, self.costs(found)[0].argmin()], True
 
-    def nearest(self, weights: Array, missed: Number = 0.0, starts: Array | None = None) -> Array:
+    def nearest(
+        self,
+        weights: Array,
+        missed: Number = 0.0,
+        starts: Sequence[Array] = (),
+        sampled: int = STARTS,
+    ) -> Array:
         """Return the point with the least sum of squared weighted deviations from the conditions.
 
         A point holds the parameters as fractions of their ranges.
@@ -221,7 +227,8 @@ class Search:
         Args:
             weights: weight of each condition.
             missed: accepted deviations, subtracted before weighting, shape (conditions, 1).
-            starts: starting points of the search; by default the best sampled points.
+            starts: starting points of the search.
+            sampled: number of the best sampled points that are starting points too.
         """
 
         def weighted(fractions: Array) -> Array:
@@ -232,8 +239,8 @@ class Search:
             """Return the sum of squares of the weighted deviations."""
             return np.asarray((weighted(fractions) ** 2).sum(axis=0))
 
-        if starts is None:
-            starts = self.surveyed[:, np.argsort(merit(self.surveyed))[:STARTS]].T
+        if sampled:
+            starts = (*starts, *self.surveyed[:, np.argsort(merit(self.surveyed))[:sampled]].T)
         places = [self._closest(start, weighted) for start in starts]
         return places[int(np.argmin(merit(np.transpose(places))))]
 
@@ -247,24 +254,30 @@ class Search:
                     return chosen
         return names
 
-    def trade_off(self, pair: tuple[str, ...]) -> Array:
-        """Return points on the curve of best compromises between two conditions, named by ``pair``.
+    def trade_off(self, pair: tuple[str, ...], place: Array) -> Array:
+        """Return points on the curve of best compromises between two conditions.
 
         The first condition is met at the first point, the second condition at the last point. The
         shape is (parameters, points).
+
+        Args:
+            pair: names of the two conditions.
+            place: the point of least deviation. The search for an end of the curve starts from it,
+                and from the best sampled point. The curve is a narrow valley of the sum of squares,
+                along which a search from elsewhere moves slowly.
         """
         names = tuple(self.conditions)
         first, second = (names.index(name) for name in pair)
         weights = np.where(np.arange(len(names)) < len(self.want), 0.0, STIFFNESS)
         weights[first] = 1.0
         weights[second] = STIFFNESS
-        curve = [self.nearest(weights)]
+        curve = [self.nearest(weights, starts=[place], sampled=1)]
         missed = np.zeros((len(names), 1))
         missed[first] = self.misses(curve[0][:, np.newaxis])[first]
         weights[first] = STIFFNESS
         weights[second] = 1.0
         for part in np.linspace(1.0, 0.0, CURVE_POINTS)[1:]:
-            curve.append(self.nearest(weights, part * missed, curve[-1][np.newaxis]))
+            curve.append(self.nearest(weights, part * missed, curve[-1:], sampled=0))
         return np.array(curve[::-1]).T
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
@@ -277,7 +290,13 @@ class Search:
             return start
         value, slopes = with_derivatives(function)
         found = least_squares(
-            value, start, slopes, bounds=(0.0, 1.0), max_nfev=MOST_STEPS, **TOLERANCES
+            value,
+            start,
+            slopes,
+            bounds=(0.0, 1.0),
+            method="dogbox",
+            max_nfev=MOST_STEPS,
+            **TOLERANCES,
         )
         return np.asarray(found.x)
 
@@ -317,34 +336,11 @@ class Search:
             options={"ftol": 1e-12, "maxiter": MOST_ITERATIONS},
         )
         places = np.clip(np.transpose([*way, found.x]).round(DIGITS), 0.0, 1.0)
-        met = np.max(np.abs(self.misses(places)), axis=0, initial=0.0) <= MET
-        costs = np.where(met, self.costs(places)[0], np.nan)
+        costs = self.costs(places)
+        met = np.max(np.abs(self._beyond(costs)), axis=0, initial=0.0) <= MET
+        costs = np.where(met, costs[0], np.nan)
         best = int(np.nanargmin(costs))
         # A violation of a condition by up to MET lowers the objective by a few MET. The last point
         # is therefore kept if its objective exceeds the lowest one by at most 10 MET.
         last = costs[-1] <= costs[best] + 10.0 * MET
         return np.asarray(places[:, -1 if last else best])
-
-
-def with_derivatives(function: Function, step: float = DIFFERENCE) -> tuple[Function, Function]:
-    """Return two functions of one point: the values of ``function``, and its derivatives.
-
-    A coordinate of a point is a parameter as a fraction of its range. ``function`` itself takes an
-    array of points. The derivatives are difference quotients between points inside the ranges, at
-    most ``step`` from the given point. A derivative that is not finite is replaced by 0. The values
-    have the shape (values,), the derivatives (values, parameters). One call of ``function`` gives
-    values and derivatives at a point. Those of the two latest points are stored.
-    """
-
-    @functools.lru_cache(maxsize=2)
-    def at(text: bytes) -> tuple[Array, Array]:
-        """Return values and derivatives at the point whose coordinates have the bytes ``text``."""
-        place = np.frombuffer(text)[:, np.newaxis]
-        steps = step * np.eye(len(place))
-        high = np.minimum(place + steps, 1.0)
-        low = np.maximum(place - steps, 0.0)
-        values = function(np.concatenate([place, low, high], axis=1))
-        lows, highs = np.split(values[:, 1:], 2, axis=1)
-        return values[:, 0], np.nan_to_num((highs - lows) / np.diagonal(high - low))
-
-    return lambda place: at(place.tobytes())[0], lambda place: at(place.tobytes())[1]
