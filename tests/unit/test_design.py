@@ -92,6 +92,7 @@ def test_a_fast_and_radial_strike_is_found_and_confirmed_by_the_reference():
     assert found.check.apart == 0
 
 
+@pytest.mark.nightly  # the ends of another curve are checked always
 def test_wants_that_conflict_are_named_with_the_best_compromises():
     """No tool of a dense map over both keys has less lag at as fast a tip than the curve, but for the map's steps."""
     wants = {"tip_speed_at_contact": 42.0, "lag_deg_at_contact": 0.0}

@@ -198,6 +198,7 @@ def test_every_kind_of_worker_gives_the_serial_results_bit_for_bit():
         assert sweep(power, space, workers=executor).identical(expected)
 
 
+@pytest.mark.nightly  # five processes start
 def test_processes_of_a_sweep_leave_joblib_its_own():
     """In a process of its own, so that joblib has no processes yet."""
     program = "; ".join(
