@@ -245,7 +245,7 @@ def thin_bars(count: int, seed: int, bar_seed: int) -> dict[str, Array]:
     }
 
 
-@pytest.mark.parametrize("number", [3158, 3012])
+@pytest.mark.parametrize("number", [pytest.param(3158, marks=pytest.mark.nightly), 3012])
 def test_a_wire_leaves_a_thin_bar_just_before_it_points_at_the_bars_centre(number: int):
     """Its rate grows without bound there. The wire leaves at 1e-3 of a segment before, and its release is ill-conditioned."""
     values = {key: float(each[number]) for key, each in thin_bars(12000, 73, 3).items()}

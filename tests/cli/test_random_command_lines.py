@@ -38,7 +38,7 @@ SMALL = {
     "tolerances": ("samples=2",),
     "cue_map": ("map_points=2", "accuracy=0.0001", "reference=no"),
     "neighbours": ("search=no",),
-    "surface": ("ground_width=1mm",),
+    "surface": ("ground_width=0.5mm", "ground_length=1mm"),
     "bent_bristles": ("wire_links=1",),
     "film": ("map_durations=2", "map_dampings=2", "wire_links=2", "workers=1"),
 }

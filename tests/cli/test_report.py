@@ -185,7 +185,10 @@ def opened(
     return tab, said
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (800, "light"), (390, "dark")])
+@pytest.mark.parametrize(
+    ("width", "scheme"),
+    [(1280, "light"), pytest.param(800, "light", marks=pytest.mark.nightly), (390, "dark")],
+)
 def test_a_browser_shows_it_at_any_width_and_prints_it_on_white(
     browser: Any, page: Path, width: int, scheme: str
 ):

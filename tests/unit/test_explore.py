@@ -129,6 +129,7 @@ def test_the_button_makes_the_strike_radial(client: Any) -> None:
     assert run.at(run.contacts[-1].time, side="before").retraction == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.nightly
 def test_a_downloaded_tool_is_the_one_that_was_run(client: Any, tmp_path: Path) -> None:
     path = tmp_path / "tool.toml"
     path.write_bytes(client.get("/download/toml?bristle_length=28 mm").data)

@@ -107,7 +107,7 @@ def test_moves_in_any_order_show_the_present_tool(
     browser: Any, address: str, errors: list[str]
 ) -> None:
     page = tab(browser, address, errors, viewport={"width": 1400, "height": 900})
-    assert page.evaluate("moved(12, 1)")["faults"] == []
+    assert page.evaluate("moved(8, 1)")["faults"] == []
     assert errors == []
 
 
@@ -166,6 +166,7 @@ def test_a_page_without_a_run_yet_takes_no_moves(
     assert errors == []
 
 
+@pytest.mark.nightly
 def test_a_search_neither_stops_the_run_nor_outlives_its_tool(
     browser: Any, address: str, errors: list[str]
 ) -> None:

@@ -95,6 +95,7 @@ def test_frames_are_a_step_apart_and_blur_by_the_exposure(two_links):
     )
 
 
+@pytest.mark.nightly
 def test_an_interrupted_map_goes_on_from_its_store(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, two_links
 ):

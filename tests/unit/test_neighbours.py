@@ -34,6 +34,7 @@ def rows(**options):
     return {each.name: each for each in report(**options).quantities}
 
 
+@pytest.mark.nightly
 def test_least_pitches_on_simulated_rows():
     """Theory to 0.05 deg, which is 16.4 deg to the strike and some 46 in the whole pass, undamped."""
     found = rows(search="yes")

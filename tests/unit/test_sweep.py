@@ -515,6 +515,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.nightly
 def test_a_killed_program_leaves_what_it_had_finished(tmp_path: Path):
     """The program and its workers are killed as one process group, then it is started again."""
     folder = tmp_path / "run"
