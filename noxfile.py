@@ -54,11 +54,11 @@ def docs(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def nightly(session: nox.Session) -> None:
-    """Run the long tests, with every peer: long wires, random tools, every figure; make the site's kept results anew.
+    """Run the long tests, with every peer: long wires, random tools, every figure; build the site and its kept results anew.
 
     All other tests run with fresh examples in a random order, and once more with the linear algebra of an older processor.
     """
-    session.install("-e", ".[sweep,test,peers]", "playwright")
+    session.install("-e", ".[docs,sweep,test,peers]", "playwright")
     session.run("pytest", "-m", "nightly", *session.posargs)
     seed = str(random.randrange(10**6))
     session.run(
@@ -66,6 +66,7 @@ def nightly(session: nox.Session) -> None:
     )
     session.run("pytest", *session.posargs, env={"OPENBLAS_CORETYPE": "Haswell"})
     session.run("python", "docs/keep.py")
+    docs(session)
 
 
 @nox.session(default=False)

@@ -74,7 +74,9 @@ class BenchDirective(SphinxDirective):
     }
 
     def run(self) -> list[nodes.Node]:
-        """Return the address, the answer, and the picture if one is requested."""
+        """Return the address, the answer, and the picture if one is requested; nothing if no example runs."""
+        if self.config.nb_execution_mode == "off":
+            return []
         pass_of = main_scenario()
         typed = assigned("set", self.options.get("set", "").split())
         if "radial" in self.options:

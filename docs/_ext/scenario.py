@@ -6,6 +6,7 @@
     ```
 
 A scenario that takes longer than a build may is shown from the files in ``docs/kept``, which ``python docs/keep.py`` makes anew.
+With ``-D nb_execution_mode=off`` no scenario and no example runs, and their results are left out.
 """
 
 import contextlib
@@ -87,6 +88,8 @@ class ScenarioDirective(SphinxDirective):
                 "printed": (kept / f"{name}.txt").read_text(encoding="utf-8"),
             }
             target = kept
+        elif self.config.nb_execution_mode == "off":
+            return []
         else:
             key = (name, *assignments)
             known = self.env.app.scenarios  # type: ignore[attr-defined]
