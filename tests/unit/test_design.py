@@ -258,6 +258,7 @@ def test_the_command_prints_and_writes_the_tool(
     )
 
 
+@pytest.mark.nightly
 def test_no_quantity_has_a_slope_where_the_bar_is_just_touched_once_more() -> None:
     """The least lag is where a last touch of the bar ceases, and with it the retraction of 22 degrees at the release."""
     found = bs.design(vary={"bar_horizontal": ("47 mm", "54 mm")}, minimize="lag_deg_at_contact")

@@ -329,6 +329,7 @@ def test_a_sweep_whose_workers_are_gone_ends_in_one_line_and_keeps_its_points(tm
     assert {*xarray.open_zarr(kept, consolidated=False)["failure"].values} == {"", "not computed"}
 
 
+@pytest.mark.nightly
 def test_a_point_that_always_kills_its_process_is_a_failure_that_the_next_call_computes_again(
     tmp_path: Path,
 ):
