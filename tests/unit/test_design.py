@@ -126,6 +126,18 @@ def test_the_best_compromises_end_at_the_fastest_radial_strike():
     assert curve["lag_deg_at_contact"][-1] == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.nightly
+def test_a_curve_of_compromises_that_jumps_meets_each_condition_at_its_end():
+    """The tools at one end jam, those at the other rebound; no small steps lead from one end to the other."""
+    wants = {"rebound_ratio": -0.22313, "lag_deg_at_contact": 6.30362}
+    ranges = {"belt_stiffness": (0.029818, 0.035418), "penetration": (1.2477e-3, 2.1477e-3)}
+    curve = bs.design(want=wants, vary=ranges).trade_off
+    for (name, value), end in zip(wants.items(), (0, -1), strict=True):
+        misses = np.abs(curve[name] - value)
+        assert misses[end] == pytest.approx(0.0, abs=1e-3)
+        assert (np.diff(misses) * (1 + 2 * end) >= 0.0).all()
+
+
 def test_a_limit_that_no_tool_meets_is_named() -> None:
     """Without the bar the tip moves at omega (r_h + L), at least 100 REACH here."""
     vary = {"hub_speed": (100.0, 500.0)}

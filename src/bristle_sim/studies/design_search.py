@@ -52,6 +52,7 @@ TOLERANCES = {"xtol": 1e-13, "ftol": 1e-13, "gtol": 1e-13}  # relative, of that 
 # smooth. Where it jumps, no number suffices.
 MOST_ITERATIONS = 20
 CURVE_POINTS = 25
+END = 1e-4  # largest deviation, in standard deviations, of the condition met at an end of the curve
 # Weight of the conditions that every point on the curve of compromises must meet, to about 1e-6;
 # the condition that is sacrificed has the weight 1
 STIFFNESS = 1e3
@@ -158,16 +159,10 @@ class Search:
         return np.array([goal, *excesses])
 
     def misses(self, fractions: Array) -> Array:
-        """Return the deviations from the target values and the excesses above the upper limits.
+        """Return the deviations from the target values, then the excesses above the upper limits.
 
-        Each is divided by its quantity's standard deviation. An excess is 0 below the limit.
-
-        Args:
-            fractions: parameters as fractions of their ranges, shape (parameters, points).
-
-        Returns:
-            One row for each target value, then one for each upper limit; shape (conditions,
-            points).
+        Each is divided by its quantity's standard deviation. An excess is 0 below the limit. The
+        result has the shape (conditions, points), ``fractions`` the shape (parameters, points).
         """
         return self._beyond(self.costs(fractions))
 
@@ -257,28 +252,37 @@ class Search:
     def trade_off(self, pair: tuple[str, ...], place: Array) -> Array:
         """Return points on the curve of best compromises between two conditions.
 
-        The first condition is met at the first point, the second condition at the last point. The
-        shape is (parameters, points).
+        The first condition is met at the first point, the second condition at the last point,
+        unless upper limits prevent it. No point misses both conditions by more than another does.
+        The shape is (parameters, points).
 
         Args:
             pair: names of the two conditions.
-            place: the point of least deviation. The search for an end of the curve starts from it,
-                and from the best sampled point. The curve is a narrow valley of the sum of squares,
-                along which a search from elsewhere moves slowly.
+            place: the point of least deviation. The curve is a narrow valley of the sum of squares,
+                along which a search that starts elsewhere moves slowly.
         """
         names = tuple(self.conditions)
         first, second = (names.index(name) for name in pair)
+        only = np.eye(len(names))
         weights = np.where(np.arange(len(names)) < len(self.want), 0.0, STIFFNESS)
-        weights[first] = 1.0
-        weights[second] = STIFFNESS
+        weights[[first, second]] = 1.0, STIFFNESS
         curve = [self.nearest(weights, starts=[place], sampled=1)]
-        missed = np.zeros((len(names), 1))
-        missed[first] = self.misses(curve[0][:, np.newaxis])[first]
-        weights[first] = STIFFNESS
-        weights[second] = 1.0
-        for part in np.linspace(1.0, 0.0, CURVE_POINTS)[1:]:
+        if self.largest_miss(curve[0], only[second]) > END:
+            curve = [self.nearest(weights, starts=curve)]
+        missed = only[:, [first]] * self.misses(curve[0][:, np.newaxis])
+        weights[[first, second]] = STIFFNESS, 1.0
+        parts = np.linspace(1.0, 0.0, CURVE_POINTS)
+        for part in parts[1:]:
             curve.append(self.nearest(weights, part * missed, curve[-1:], sampled=0))
-        return np.array(curve[::-1]).T
+        if self.largest_miss(curve[-1], only[first]) > END:
+            # The curve jumps where the outcome changes; beyond the jump it starts at its other end.
+            curve[-1] = self.nearest(weights, 0.0 * missed, curve[-1:])
+            for index in range(CURVE_POINTS - 2, 0, -1):
+                starts = curve[index : index + 2]
+                curve[index] = self.nearest(weights, parts[index] * missed, starts, sampled=0)
+        points = np.array(curve[::-1]).T
+        miss = np.abs(self.misses(points)[second])
+        return points[:, miss <= np.minimum.accumulate(miss)]
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
         """Return the largest magnitude of weighted deviations from the conditions at ``place``."""
