@@ -122,6 +122,7 @@ def test_the_best_compromises_end_at_the_fastest_radial_strike():
     (fastest,) = (
         each.simulated for each in radial.report.quantities if each.name == "tip_speed_at_contact"
     )
+    # A condition that the curve meets has the weight 1e3, squared a million, of the other one.
     assert curve["tip_speed_at_contact"][[0, -1]] == pytest.approx([45.0, fastest], rel=1e-5)
     assert curve["lag_deg_at_contact"][-1] == pytest.approx(0.0, abs=1e-4)
 

@@ -168,7 +168,7 @@ class Neighbours(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
-    """Choice of whether a result is compared with an independent solution of the same problem."""
+    """Comparison of a result with an independent solution of the same problem, or none."""
 
     reference: str = choice(
         "reference: whether the independent solution is computed too and judges the result"

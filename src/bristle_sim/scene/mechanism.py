@@ -205,9 +205,9 @@ class Mechanism:
         """Parts of the vectors from the hub's centre to the links' centres of mass.
 
         Row k of the array, shape (links, 1 + links), belongs to link k. Its first entry is the
-        vector to the wire's root, with the hub at angle 0. The other entries are the parts of all
-        links at angle 0: the vector from joint to tip of each link that carries link k, the vector
-        from the joint to the centre of mass of link k itself, and 0.
+        vector to the wire's root, with the hub at angle 0. The other entries belong to the links,
+        each at angle 0: the vector from joint to tip of a link that carries link k, the vector from
+        the joint to the centre of mass of link k itself, and 0 for any other link.
         """
         wire = np.arange(len(self.links)) // self.wire_links
         roots = -1j * self.hub_radius * np.exp(-1j * self.pitch * wire)

@@ -71,7 +71,7 @@ _rate = lib.cpBodyGetAngularVelocity
 class LinkVelocity:
     """Corrects a single link's angular velocity after each engine step, to keep a contact closed.
 
-    The attribute ``impulses`` is that of ``WireVelocities``.
+    ``impulses`` is as in ``WireVelocities``, with one contact.
     """
 
     def __init__(
@@ -262,16 +262,17 @@ class WireVelocities:
             velocities = 0.5 * (velocities + self._old)
         turn = np.exp(1j * self._angles)
         rows = self._mechanism.body_rows(turn)
-        momenta = rows[:, 1:].T * self._mechanism.inertias  # B^T M
+        own = rows[:, 1:]  # B; the first column, b, belongs to the hub
+        momenta = own.T * self._mechanism.inertias  # B^T M
         matrix = momenta @ rows
         if self._damping is not None:
             matrix += (0.5 * step if self.symmetric else step) * self._damping
         hub = self._rates[0]
         rates = self._solve(matrix[:, 1:], momenta @ velocities - hub * matrix[:, 0])[1]
-        velocities = rows[:, 1:] @ rates + hub * rows[:, 0]
+        velocities = own @ rates + hub * rows[:, 0]
         self._motion[:] = velocities.reshape(-1, 3)
         if self._contacts:
-            velocities += rows[:, 1:] @ self._close_contacts(turn[1:], matrix[:, 1:])
+            velocities += own @ self._close_contacts(turn[1:], matrix[:, 1:])
         if self.symmetric:
             velocities = 2.0 * velocities - self._old
             self._old = velocities

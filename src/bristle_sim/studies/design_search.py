@@ -252,9 +252,8 @@ class Search:
     def trade_off(self, pair: tuple[str, ...], place: Array) -> Array:
         """Return points on the curve of best compromises between two conditions.
 
-        The first condition is met at the first point, the second condition at the last point,
-        unless upper limits prevent it. No point misses both conditions by more than another does.
-        The shape is (parameters, points).
+        The shape is (parameters, points). The first condition is met at the first point, the second
+        at the last, unless upper limits prevent it. No point misses both by more than another does.
 
         Args:
             pair: names of the two conditions.
@@ -281,8 +280,9 @@ class Search:
                 starts = curve[index : index + 2]
                 curve[index] = self.nearest(weights, parts[index] * missed, starts, sampled=0)
         points = np.array(curve[::-1]).T
-        miss = np.abs(self.misses(points)[second])
-        return points[:, miss <= np.minimum.accumulate(miss)]
+        miss = np.abs(self.misses(points)[[first, second]])
+        beaten = np.all(miss[:, :, np.newaxis] > miss[:, np.newaxis], axis=0).any(axis=1)
+        return points[:, ~beaten]
 
     def largest_miss(self, place: Array, weights: Number = 1.0) -> float:
         """Return the largest magnitude of weighted deviations from the conditions at ``place``."""
