@@ -81,7 +81,7 @@ def solve_by_law(pendulums: list[dict[str, float]]) -> tuple[Impact, np.ndarray,
 
 
 def test_double_pendulums_at_random():
-    pendulums = random_rods(1, 6000)
+    pendulums = random_rods(1, 2000)
     law, rates, condition = solve_by_law(pendulums)
     closed = [double_pendulum_impact(**rods) for rods in pendulums]
 

@@ -113,6 +113,7 @@ def test_wants_that_conflict_are_named_with_the_best_compromises():
         bs.design(FREE, want={"tip_speed_at_contact": 20}, vary={"hub_speed": (100, 500)}).plot()
 
 
+@pytest.mark.nightly
 def test_the_best_compromises_end_at_the_fastest_radial_strike():
     """Most of these tools strike radially at a far lower speed, from which no small change leads to the fastest one."""
     vary = CUED["vary"] | {"bar_vertical": ("18 mm", "26 mm")}

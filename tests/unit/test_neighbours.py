@@ -71,6 +71,7 @@ def test_a_touch_that_changes_nothing_is_said_to_change_nothing():
     assert "after a touch, which is the impulse of a bristle alone." in answer
 
 
+@pytest.mark.nightly
 def test_the_answer_names_pitches_and_what_a_touch_does():
     """Each number is that of the table; there is a row for each bristle, whose first one strikes as if alone."""
     found = report(search="yes")
