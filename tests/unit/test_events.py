@@ -7,14 +7,19 @@ from typing import Any
 
 import pytest
 
+from bristle_sim.parameters import Tool
 from bristle_sim.scene.events import Event, Kind
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.locate import Interval, first_change, locate
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.pairs import ClosestApproach
+from bristle_sim.scene.run import run
+from bristle_sim.scene.simulate import prepare
 from bristle_sim.scene.system import LEAST_VALUE
+from bristle_sim.scene.tool import ONE_BRISTLE, Row
 from bristle_sim.scene.touches import _search_hop as search_hop
 from bristle_sim.scene.touches import first_touch, polynomial_error
+from bristle_sim.settings import Settings
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 
@@ -96,6 +101,28 @@ class TestFirstTouch:
         share = first_touch(ROD, notch(left, left + width), interval(), 0.01)
         assert share is not None
         assert left <= share <= min(left + width, 1.0)
+
+
+@pytest.mark.parametrize("row", [ONE_BRISTLE, Row(2, 0.16, 0.3, 0.5)], ids=["one", "two"])
+@pytest.mark.parametrize(
+    "keys",
+    [{}, {"wire_links": 3}, {"contact": "compliant", "contact_duration": 1e-4, "friction": 0.6}],
+    ids=["rigid", "wire", "in time"],
+)
+def test_a_gap_that_is_left_unsearched_is_open(keys: dict[str, Any], row: Row) -> None:
+    """Its lower bound is below it after every interval, through impacts, contacts and dents."""
+    system, *_ = prepare(
+        Tool().replace(**keys), Settings(accuracy=1e-4), (None, 0.0, 0.0), row, stop_after=None
+    )
+    unsearched = 0
+    for motion, _ in run(system):
+        active = [contact.pair for contact in motion.contacts]
+        for pair in system.pairs:
+            least = system.clearances.get(pair, 0.0)
+            if least > 0.0 and pair not in active:
+                unsearched += 1
+                assert system.closest(pair).gap >= least
+    assert unsearched > 20
 
 
 def swing(fastest: float, time: float) -> State:

@@ -62,6 +62,14 @@ class Sums(NamedTuple):
 NUMBERS = len(Sums._fields)
 
 
+def parabola(part: float, first: float, last: float, mean: float) -> float:
+    """Return the value, at a fraction ``part`` of an interval, of the parabola with the given
+    values at its ends and the given mean.
+    """
+    bend = 3.0 * (first + last) - 6.0 * mean
+    return first + part * (last - first) - part * (1.0 - part) * bend
+
+
 def sums_of(totals: Sequence[float], index: int) -> Sums:
     """Return one contact's forces, impulses and work from the list ``totals`` of all contacts."""
     return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
@@ -112,11 +120,11 @@ class ActiveContact(ClosedPair):
         )
         self.work = (self.work[0] + sums.work_normal, self.work[1] + sums.work_tangential)
 
-    def expect_release(self, sums: Sums, length: float) -> tuple[float, float, float]:
+    def expect_release(self, sums: Sums, length: float) -> tuple[float, float]:
         """Estimate when the normal force of a rigid contact reaches zero.
 
-        The force is extrapolated by a quadratic polynomial of time. The polynomial agrees with the
-        forces at both ends of the interval, and with the impulse of the interval.
+        The force is extrapolated by the ``parabola`` that agrees with the forces at both ends of the
+        interval, and with the impulse of the interval.
 
         Args:
             sums: forces, impulses and work of the interval.
@@ -124,21 +132,16 @@ class ActiveContact(ClosedPair):
 
         Returns:
             The normal force at the interval's beginning.
-            The coefficient of the polynomial's quadratic term, for the time in interval lengths.
             The time from the interval's end until the force reaches zero; infinite if it does not.
         """
-        last = first = sums.normal
-        bend = 0.0
-        left = math.inf
-        if length > 0.0:
-            mean = sums.impulse_normal / length
-            first = 2.0 * mean - last if self.force is None else self.force
-            bend = 3.0 * (first + last) - 6.0 * mean
-            slope = last - first + bend
-            square = slope * slope - 4.0 * bend * last
-            falls = math.sqrt(square) - slope if square >= 0.0 else 0.0
-            left = 2.0 * length * last / falls if falls > 0.0 else math.inf
-        return first, bend, left
+        last = sums.normal
+        mean = sums.impulse_normal / length
+        first = 2.0 * mean - last if self.force is None else self.force
+        bend = 3.0 * (first + last) - 6.0 * mean
+        slope = last - first + bend
+        square = slope * slope - 4.0 * bend * last
+        falls = math.sqrt(square) - slope if square >= 0.0 else 0.0
+        return first, 2.0 * length * last / falls if falls > 0.0 else math.inf
 
     def record(self, closest: Closest, last: State, outcome: str) -> ContactRecord | None:
         """Return the contact record; None for a contact of zero duration.

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
+from bristle_sim.scene.contact import ActiveContact, RigidContacts, parabola, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult, SpringForce
 from bristle_sim.scene.locate import Interval
-from bristle_sim.scene.mechanism import cross
+from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import GAP_ROUNDING, MOST_GROWTH, System
@@ -276,44 +276,45 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
 def _add(system: System, motion: Motion, interval: Interval) -> None:
     """Add the contacts' impulses and work in an interval, and record samples with their forces.
 
-    A force in the middle of the interval is that of the parabola that agrees with the forces at
-    both ends and with the impulse.
+    A force at an inner instant of the interval is that of the parabola that agrees with the forces
+    at both ends and with the impulse. The normal force of a spring follows from its penetration.
     """
     motion.release_in = math.inf
-    middle = interval.end.middle
-    begins: dict[ActiveContact, float] = {}
-    middles: dict[ActiveContact, float] = {}
-    ends: dict[ActiveContact, float] = {}
+    length = interval.length
+    courses: dict[ActiveContact, tuple[float, float, float]] = {}
     for index, contact in enumerate(motion.contacts):
         sums = sums_of(interval.end.totals, index)
-        if not isinstance(contact, SpringContact):
-            # At a located release, rounding error may make the force negative.
-            first, bend, left = contact.expect_release(sums, interval.length)
-            contact.add(sums)
-            motion.release_in = min(motion.release_in, BEYOND_RELEASE * left)
-            begins[contact] = max(0.0, first)
-            middles[contact] = max(0.0, 0.5 * (first + sums.normal) - 0.25 * bend)
-            ends[contact] = max(0.0, sums.normal)
+        if isinstance(contact, SpringContact):
+            mean = sums.impulse_tangential / length
+            courses[contact] = (sums.tangential_at_start, sums.tangential, mean)
         else:
-            contact.add(sums)
-            if middle is not None:
-                both = sums.tangential_at_start + sums.tangential
-                contact.stick_force = 1.5 * sums.impulse_tangential / interval.length - 0.25 * both
-                middles[contact] = contact.sample(system.closest, middle)
-            contact.stick_force = sums.tangential
-            ends[contact] = contact.sample(system.closest, system.state)
-    if middle is not None:
-        system.sample(middles, state=middle)
-    if motion.rigid is not None:
-        if motion.before is None and not motion.springs:
-            system.sample(begins, state=interval.start)
-        if system.mechanism.single_link and len(ends) == 1 and interval.length >= SHORTEST_SAMPLED:
-            for part in INNER_SAMPLES:
-                guess = interval.at(part * interval.length)
-                force = first + part * (sums.normal - first) - part * (1.0 - part) * bend
-                system.sample({contact: force}, state=system.scene.joint_solver.set_back(guess))
-        motion.rigid.engage(system.state)
-    system.sample(ends)
+            first, left = contact.expect_release(sums, length)
+            courses[contact] = (first, sums.normal, sums.impulse_normal / length)
+            motion.release_in = min(motion.release_in, BEYOND_RELEASE * left)
+        contact.add(sums)
+
+    def sample(part: float, state: State) -> None:
+        """Record a sample at a fraction of the interval."""
+        forces = {}
+        for contact, course in courses.items():
+            force = parabola(part, *course)
+            if isinstance(contact, SpringContact):
+                contact.stick_force = force
+                force = contact.sample(system.closest, state)
+            forces[contact] = max(0.0, force)  # rounding error at a located release
+        system.sample(forces, state=state)
+
+    rigid = motion.rigid
+    if rigid is not None and motion.before is None and not motion.springs:
+        sample(0.0, interval.start)
+    if interval.end.middle is not None:
+        sample(0.5, interval.end.middle)
+    elif rigid is not None and system.mechanism.single_link and length >= SHORTEST_SAMPLED:
+        for part in INNER_SAMPLES:
+            sample(part, system.scene.joint_solver.set_back(interval.at(part * length)))
+    if rigid is not None:
+        rigid.engage(system.state)
+    sample(1.0, system.state)
 
 
 def _proposed(system: System, motion: Motion) -> float:

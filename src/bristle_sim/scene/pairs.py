@@ -134,7 +134,7 @@ class FixedPair(ABC):
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class BarPair(FixedPair):
     """A pair of the bar, which is a fixed circle, and one link of the wire.
 
@@ -218,7 +218,7 @@ class BarPair(FixedPair):
         return min(gaps)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class WorkpartPair(FixedPair):
     """A pair of the workpart, the half-plane y <= -depth, and the tip or a knee of a link.
 
@@ -248,7 +248,7 @@ class WorkpartPair(FixedPair):
         return end.imag + self.depth + self.dent, end, 1j
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class WirePair:
     """A pair of two straight segments of links of different wires.
 

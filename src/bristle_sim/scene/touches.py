@@ -59,6 +59,8 @@ a rebound of constant acceleration the gap closes in the second half of its dura
 LEAST_HOP = 1e-6  # duration of the shortest rebound that is followed, as a fraction of the interval
 MOST_HALVINGS = 40  # largest number of bisections of an interval, down to rounding error
 
+MOST_SPEED = 1.5  # largest speed in an interval, divided by the larger of those at its two ends
+
 Found = tuple[Interval, Happening | None]
 """The interval up to an event, and the event; or the interval up to a minimum of a gap at which
 link and obstacle do not touch, and None."""
@@ -82,8 +84,9 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
     changed = None
     if sustained:
         interval, changed = first_change(system, motion.events, interval)
+    path = path_bound(system.mechanism, interval)
     for pair in system.pairs:
-        if pair not in sustained and interval.length > 0.0:
+        if pair not in sustained and interval.length > 0.0 and not system.stays_clear(pair, path):
             found = _touch(system, motion, interval, pair)
             if found is not None:
                 interval, first = found
@@ -284,6 +287,14 @@ def polynomial_error(system: System, interval: Interval) -> float:
     return error
 
 
+def path_bound(mechanism: Mechanism, interval: Interval) -> float:
+    """Return an upper bound (engine units) of any point's path in an interval, and of the relative
+    path of any two points.
+    """
+    ends = (interval.start, interval.end.state)
+    return MOST_SPEED * max(map(mechanism.speed_bound, ends)) * interval.length
+
+
 def first_touch(
     mechanism: Mechanism,
     closest: Callable[[State], ClosestApproach],
@@ -309,8 +320,7 @@ def first_touch(
     """
     length = interval.length
     margin = interpolation_error
-    ends = (interval.start, interval.end.state)
-    bound = 1.5 * max(map(mechanism.speed_bound, ends)) * length
+    bound = path_bound(mechanism, interval)
     fraction = begin
     touch = closest(interval.at(begin * length))
     while fraction < last and touch.gap <= bound * (last - fraction) + margin:
