@@ -235,7 +235,8 @@ def _resolve(system: System, pair: ContactPair, *, rests: bool) -> ContactRecord
     if rests or -system.approach(pair) <= system.slow:
         law = ENERGETIC
         touched = replace(pair, restitution=0.0)
-    system.state, record = law.resolve(system.scene, before, touched)
+    record = law.resolve(system.scene, before, touched)
+    system.state = before._replace(rates=record.rates_after)
     propagate_error(system, pair, before, record)
     system.recording.contacts.append((record, system.links_of(pair)))
     system.sample()

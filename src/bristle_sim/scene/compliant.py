@@ -181,7 +181,7 @@ class CompliantLaw(ContactLaw):
             0.1 * self.accuracy / max(fastest, damping),
         )
 
-    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> ContactRecord:
         """Apply the rigid-body law to a touch that is too slow to be simulated as a contact."""
         return EnergeticLaw(0.0, self.tangential_compliance).resolve(scene, state, pair)
 

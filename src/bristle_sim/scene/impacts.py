@@ -1,7 +1,7 @@
 """Impact laws, and the response of a contact point to an impulse.
 
-An instantaneous law takes a scene, a state and a pair of link and obstacle, and returns the state
-after the impact and the contact record. A law that simulates the contact over its duration
+An instantaneous law takes a scene, a state and a pair of link and obstacle, and returns the contact
+record, with the angular velocities after the impact. A law that simulates the contact over its duration
 (:mod:`bristle_sim.scene.compliant`) returns a spring instead, which acts in the simulation's loop.
 
 To add a law, write a subclass of :class:`ContactLaw`, let ``contact_law`` in
@@ -125,16 +125,13 @@ class ContactLaw(ABC):
     finite_duration: bool = False
 
     @abstractmethod
-    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Return the state after an instantaneous impact.
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> ContactRecord:
+        """Return the record of an instantaneous impact, in engine units.
 
         Args:
             scene: the scene.
             state: the state before the impact.
             pair: the link and the obstacle that touch.
-
-        Returns:
-            The state after the impact and the contact record, in engine units.
         """
 
 
@@ -152,12 +149,8 @@ class EnergeticLaw(ContactLaw):
     tangential_compliance: float = 0.0
     name = "energetic"
 
-    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Return the state after an impact, in which the angular velocities of all links change.
-
-        Returns:
-            The state after the impact and the contact record, in engine units.
-        """
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> ContactRecord:
+        """Return the record of an impact, in which the angular velocities of all links change."""
         point = contact_at(scene.mechanism, state, pair)
         point, before = ending_together(point, self.accuracy)
         impact = impact_at(point, before, pair, self.tangential_compliance)
@@ -174,7 +167,7 @@ class EnergeticLaw(ContactLaw):
         restitution: Any = tuple(map(float, impact.restitutive_work))
         changed = zip(state.rates, normal, along, strict=True)
         rates = tuple([rate + push * by_push + rub * by_rub for rate, by_push, by_rub in changed])
-        return state._replace(rates=rates), ContactRecord(
+        return ContactRecord(
             obstacle=pair.name,
             law=self.name,
             time=state.time,
@@ -254,15 +247,12 @@ class EngineLaw(ContactLaw):
 
     name = "engine"
 
-    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> tuple[State, ContactRecord]:
-        """Let the engine resolve an impact with the workpart, in one very short step.
+    def resolve(self, scene: Scene, state: State, pair: ContactPair) -> ContactRecord:
+        """Return the record of an impact with the workpart, which the engine resolves in a short step.
 
         The workpart's shape in the engine extends beyond its surface by ``SHAPE_MARGIN``, so that
         the engine detects the touch. The link's shape is not enlarged, so the lever of friction is
         exact. The engine's elasticity and friction are the pair's coefficients.
-
-        Returns:
-            The state after the impact and the contact record, in engine units.
         """
         assert isinstance(pair, WorkpartPair), "the bar has the energetic law"
         scene.place(state)
@@ -291,7 +281,7 @@ class EngineLaw(ContactLaw):
         rates = tuple([body.angular_velocity for body in scene.links])
         after = mechanism.poses(state._replace(rates=rates))
         velocity = pair.closest(after, rates).velocity
-        return state._replace(rates=rates), ContactRecord(
+        return ContactRecord(
             obstacle=pair.name,
             law=self.name,
             time=state.time,

@@ -305,7 +305,7 @@ def _add_limit_error(system: System, spring: SpringContact) -> None:
     """
     if system.follows_law:
         law = system.law_of(spring.pair)
-        limit, _ = law.resolve(system.scene, spring.start, spring.pair)
+        limit = law.resolve(system.scene, spring.start, spring.pair)
         system.recording.error += max(
-            abs(a - b) for a, b in zip(system.state.rates, limit.rates, strict=True)
+            abs(a - b) for a, b in zip(system.state.rates, limit.rates_after, strict=True)
         )

@@ -192,8 +192,8 @@ def struck(
     approach = -pair.closest(scene.mechanism.poses(start), start.rates).velocity[0]
     law = law if approach > 0.0 else ENERGETIC
     if law.instantaneous or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
-        after, record = law.resolve(scene, start, pair)
-        return record, [start, after]
+        record = law.resolve(scene, start, pair)
+        return record, [start, start._replace(rates=record.rates_after)]
     plan = Plan(
         math.inf,
         settings.accuracy,
