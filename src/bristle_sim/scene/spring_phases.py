@@ -135,6 +135,7 @@ def _change(system: System, motion: Motion, spring: SpringContact, kind: Kind) -
         case Kind.OVERDUE:
             if spring.stopped_at is not None:
                 system.state, spring.impulse, spring.work, rows, phases = spring.stopped_at
+                system.clearances.clear()
                 del spring.rows[rows:], spring.phases[phases:]
                 spring.compression = None
             # The law predicts a rebound, but the force at the root presses the tip on: it stays.

@@ -2,7 +2,8 @@
 
 A touch is a zero of the gap between a link and an obstacle. The zero is searched on the interval's
 interpolating polynomial by conservative advancement (Mirtich 1996): a gap g cannot close before the
-time g / (largest speed), so a step of the search of this length cannot pass a touch.
+time g / (largest speed), so a step of the search of this length cannot pass a touch. A gap that is
+larger than the path of all intervals since it was last computed is not computed again.
 """
 
 from __future__ import annotations
