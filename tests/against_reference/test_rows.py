@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -174,6 +175,82 @@ def test_wires_that_the_bar_folds_flat_on_each_other_jam(case: str, accuracy: fl
     # A step of the reference fails within 1e-3 radians of its fastest motion before the wires lie flat.
     early = 1e-3 / Chain(tool, 0.0).fastest_rate
     assert reference[0].time[-1] == pytest.approx(scene[0].time[-1], abs=early)
+
+
+@pytest.mark.parametrize(
+    ("keys", "given"),
+    [
+        (
+            {
+                "hub_speed": 459.281,
+                "bristle_length": 0.0210072,
+                "wire_diameter": 0.000739459,
+                "belt_damping_ratio": 0.187155,
+                "friction": 0.786962,
+                "restitution": 0.299785,
+                "bar_friction": 0.0183838,
+                "bar_restitution": 0.0,
+                "belt_stiffness": 0.037562,
+                "bar_radius": 0.00582342,
+                "bar_horizontal": 0.0438159,
+                "bar_vertical": 0.00901247,
+                "penetration": 0.00358708,
+                "contact": "compliant",
+                "contact_duration": 7.95089e-05,
+            },
+            {
+                "bristles": 2,
+                "pitch": 0.0698105,
+                "neighbour_friction": 0.339199,
+                "neighbour_restitution": 0.477639,
+            },
+        ),
+        (
+            {
+                "hub_speed": 322.255,
+                "bristle_length": 0.0400828,
+                "wire_diameter": 0.000736845,
+                "friction": 0.150576,
+                "restitution": 0.795026,
+                "bar_friction": 0.25312,
+                "bar_restitution": 0.404143,
+                "belt_stiffness": 0.142085,
+                "bar_radius": 0.00675974,
+                "bar_horizontal": 0.0576011,
+                "bar_vertical": 0.0118434,
+                "penetration": 0.00205687,
+                "contact": "compliant",
+                "contact_duration": 0.00014895,
+            },
+            {
+                "bristles": 2,
+                "pitch": 0.0807274,
+                "neighbour_friction": 0.00678296,
+                "neighbour_restitution": 0.106317,
+            },
+        ),
+    ],
+    ids=["the reference cannot go on", "no end of impacts in both"],
+)
+def test_the_endless_impacts_of_a_jam_are_not_recorded(
+    keys: dict[str, Any], given: dict[str, Any]
+) -> None:
+    """The bar and the other wire wedge the first wire: 256 impacts had hundreds of times the impulse of the run before."""
+    tool = Tool().replace(**keys)
+    scene = simulate_row(tool, Settings(accuracy=1e-7), **given)
+    reference = simulate_row_reference(tool, accuracy=1e-9, **given)
+    for run, other in zip(scene, reference, strict=True):
+        assert run.stop_reason == other.stop_reason == StopReason.JAM
+        jammed = run.event_time("jam")
+        assert run.events[-1].time == jammed == pytest.approx(other.event_time("jam"), rel=1e-6)
+        assert all(each.time < jammed for each in (*run.contacts, *other.contacts))
+        assert run.rates[-1] == pytest.approx(other.rates[-1], rel=1e-5)
+        for obstacle in {each.obstacle for each in run.contacts}:
+            found, expected = (
+                np.sum([each.impulse for each in one.contacts if each.obstacle == obstacle], axis=0)
+                for one in (run, other)
+            )
+            assert found == pytest.approx(expected, abs=1e-6 * np.hypot(*expected))
 
 
 def test_records_are_of_the_bristles_that_take_part() -> None:

@@ -10,15 +10,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.reference.contacts import Point, Touch, Workpart, follows
-from bristle_sim.reference.forces import (
-    EDGE,
-    Compliant,
-    State,
-    Sustained,
-    acting,
-    closed,
-    solve,
-)
+from bristle_sim.reference.forces import EDGE, Compliant, State, Sustained, acting, closed, solve
 from bristle_sim.reference.system import Instant, System
 from bristle_sim.theory.contact_spring import (
     ContactSpring,
@@ -314,12 +306,16 @@ def _hit(system: System, state: State, point: Point) -> State:
     velocity = np.array([hit.velocity_normal, hit.velocity_tangential], dtype=float)
     for own in log.of(point):
         own.contact(contact, after, velocity, "energetic", hit.outcome_name, hit.phases)
-    log.impacts.append(state.time)
+    log.impacts.append(state)
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
     moment = AT_ONCE / max(system.fastest, float(np.abs(after.rates).max()))
-    if hit.outcome_name == "jam" or (len(recent) == most and recent[-1] - recent[0] < moment):
+    if hit.outcome_name == "jam":
         raise log.jam(after)
+    if len(recent) == most and state.time - recent[0].time < moment:
+        # The impacts at wedged links have no end, so their impulses have no sum.
+        log.forget_contacts(recent[0].time)
+        raise log.jam(recent[0]._replace(time=state.time))
     return after
 
 

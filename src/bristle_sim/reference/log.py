@@ -149,6 +149,8 @@ class Log:
         interval: time between samples, s.
         stop_after: name of the event that ends the run, or None.
         pairs: indices of the two wires of each pair that can touch.
+
+    ``impacts`` are the states before the impacts of all wires, in order.
     """
 
     def __init__(
@@ -163,7 +165,7 @@ class Log:
         self.stop_after = stop_after
         self.pairs = pairs
         self.samples: list[tuple[State, Array]] = []
-        self.impacts: list[float] = []
+        self.impacts: list[State] = []
 
     def of(self, point: Point) -> Sequence[Record]:
         """Return the records of the one or two wires that take part in a contact."""
@@ -211,6 +213,11 @@ class Log:
         """Record the release of a contact at a time in s."""
         for own in self.of(point):
             own.event(f"{point.obstacle} release", time)
+
+    def forget_contacts(self, since: float) -> None:
+        """Remove the records of all contacts that began at or after a time in s."""
+        for own in self.records:
+            own.contacts = [each for each in own.contacts if each.time < since]
 
     def jam(self, state: State) -> Finished:
         """Record for every wire that the wires jam, and return the exception that ends the run.

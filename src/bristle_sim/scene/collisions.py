@@ -137,6 +137,8 @@ def resolve_impacts(
         springs = _springs_after_impact(system, after)
         rests = record.outcome != Outcome.REBOUND or record.velocity_after[0] <= system.slow
         after = Motion((*springs, ActiveContact(pair))) if rests else Motion(springs, (pair,))
+    if system.recording.stop_reason is StopReason.JAM:
+        return after
     staying = [contact.pair for contact in after.contacts]
     for left in (contact.pair for contact in ending if contact.pair not in staying):
         system.event(f"{left.name} release", system.wires_of(left))
@@ -195,6 +197,8 @@ def _after_all_touches(
         still = rates[fastest] >= -slow
         if still or _resolve(system, fastest, rests=rests).outcome == Outcome.JAM:
             break
+    else:
+        _forget_impacts(system)
     if not still:
         jam(system, fastest)
         return Motion(motion.contacts)
@@ -206,6 +210,21 @@ def _after_all_touches(
     springs = _springs_after_impact(system, motion)
     staying = [lasting.get(pair) or ActiveContact(pair) for pair in closed if pair not in leaving]
     return Motion((*staying, *springs), leaving)
+
+
+def _forget_impacts(system: System) -> None:
+    """Remove the impacts at this instant from the record, and return to the state before them.
+
+    The impacts at wedged links have no end, so their impulses have no sum.
+    """
+    recording = system.recording
+    time = system.state.time
+    while recording.contacts and recording.contacts[-1][0].time == time:
+        recording.contacts.pop()
+    while len(recording.states) > 1 and recording.states[-2].time == time:
+        recording.states.pop()
+        recording.forces.pop()
+    system.state = recording.states[-1]
 
 
 def _springs_after_impact(system: System, motion: Motion) -> tuple[SpringContact, ...]:
