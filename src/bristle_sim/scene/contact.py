@@ -62,14 +62,6 @@ class Sums(NamedTuple):
 NUMBERS = len(Sums._fields)
 
 
-def parabola(part: float, first: float, last: float, mean: float) -> float:
-    """Return the value, at a fraction ``part`` of an interval, of the parabola with the given
-    values at its ends and the given mean.
-    """
-    bend = 3.0 * (first + last) - 6.0 * mean
-    return first + part * (last - first) - part * (1.0 - part) * bend
-
-
 def sums_of(totals: Sequence[float], index: int) -> Sums:
     """Return one contact's forces, impulses and work from the list ``totals`` of all contacts."""
     return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
@@ -123,7 +115,7 @@ class ActiveContact(ClosedPair):
     def expect_release(self, sums: Sums, length: float) -> tuple[float, float]:
         """Estimate when the normal force of a rigid contact reaches zero.
 
-        The force is extrapolated by the ``parabola`` that agrees with the forces at both ends of the
+        The force is extrapolated by the parabola that agrees with the forces at both ends of the
         interval, and with the impulse of the interval.
 
         Args:

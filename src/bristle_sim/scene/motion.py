@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from bristle_sim.scene.contact import ActiveContact, RigidContacts, parabola, sums_of
+from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult, SpringForce
 from bristle_sim.scene.locate import Interval
-from bristle_sim.scene.mechanism import State, cross
+from bristle_sim.scene.mechanism import cross
 from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import GAP_ROUNDING, MOST_GROWTH, System
@@ -293,28 +293,28 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
             motion.release_in = min(motion.release_in, BEYOND_RELEASE * left)
         contact.add(sums)
 
-    def sample(part: float, state: State) -> None:
-        """Record a sample at a fraction of the interval."""
+    rigid = motion.rigid
+    instants = []
+    if rigid is not None and motion.before is None and not motion.springs:
+        instants.append((0.0, interval.start))
+    if interval.end.middle is not None:
+        instants.append((0.5, interval.end.middle))
+    elif rigid is not None and system.mechanism.single_link and length >= SHORTEST_SAMPLED:
+        for part in INNER_SAMPLES:
+            state = interval.at(part * length)
+            instants.append((part, system.scene.joint_solver.set_back(state)))
+    for part, state in (*instants, (1.0, system.state)):
         forces = {}
-        for contact, course in courses.items():
-            force = parabola(part, *course)
+        for contact, (first, last, mean) in courses.items():
+            bend = 3.0 * (first + last) - 6.0 * mean
+            force = first + part * (last - first) - part * (1.0 - part) * bend
             if isinstance(contact, SpringContact):
                 contact.stick_force = force
                 force = contact.sample(system.closest, state)
             forces[contact] = max(0.0, force)  # rounding error at a located release
         system.sample(forces, state=state)
-
-    rigid = motion.rigid
-    if rigid is not None and motion.before is None and not motion.springs:
-        sample(0.0, interval.start)
-    if interval.end.middle is not None:
-        sample(0.5, interval.end.middle)
-    elif rigid is not None and system.mechanism.single_link and length >= SHORTEST_SAMPLED:
-        for part in INNER_SAMPLES:
-            sample(part, system.scene.joint_solver.set_back(interval.at(part * length)))
     if rigid is not None:
         rigid.engage(system.state)
-    sample(1.0, system.state)
 
 
 def _proposed(system: System, motion: Motion) -> float:

@@ -136,7 +136,8 @@ class System:
             sign is unknown.
         recording: the record so far.
         waiting: indices of the wires that have not yet had the event ``stop_after``.
-        clearances: lower bounds of the gaps, as ``stays_clear`` computes them.
+        clearances: lower bounds of the gaps of pairs that are not in contact. Each interval reduces
+            them by the longest path in it. A gap whose bound stays positive is not computed.
     """
 
     def __init__(
@@ -205,22 +206,6 @@ class System:
         """Return the closest approach of a pair in a state, by default the present state."""
         state = state or self.state
         return pair.closest(self.mechanism.poses(state), state.rates)
-
-    def stays_clear(self, pair: ContactPair, path: float) -> bool:
-        """Return whether a pair cannot touch in the next interval.
-
-        The gap of the pair is computed only if the earlier intervals may have closed the gap. Each
-        interval reduces the stored lower bound of the gap by its path.
-
-        Args:
-            pair: a pair that is not in contact.
-            path: upper bound of the relative path of any two points in the interval.
-        """
-        clearance = self.clearances.get(pair, 0.0) - path
-        if clearance <= 0.0:
-            clearance = self.closest(pair).gap - path
-        self.clearances[pair] = clearance
-        return clearance > 0.0
 
     def penetration(self, spring: SpringContact, state: State | None = None) -> float:
         """Return the penetration of a contact in a state, by default the present state."""

@@ -85,13 +85,19 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
     changed = None
     if sustained:
         interval, changed = first_change(system, motion.events, interval)
-    path = path_bound(system.mechanism, interval)
+    speeds = map(system.mechanism.speed_bound, (interval.start, interval.end.state))
+    path = MOST_SPEED * max(speeds) * interval.length
     for pair in system.pairs:
-        if pair not in sustained and interval.length > 0.0 and not system.stays_clear(pair, path):
-            found = _touch(system, motion, interval, pair)
-            if found is not None:
-                interval, first = found
-                changed = None
+        if pair in sustained or interval.length <= 0.0:
+            continue
+        clearance = system.clearances.get(pair, 0.0) - path
+        if clearance <= 0.0:
+            clearance = system.closest(pair).gap - path
+        system.clearances[pair] = clearance
+        found = None if clearance > 0.0 else _touch(system, motion, interval, pair)
+        if found is not None:
+            interval, first = found
+            changed = None
     if not sustained:
         interval, changed = first_change(system, motion.events, interval)
     if changed is not None:
@@ -288,14 +294,6 @@ def polynomial_error(system: System, interval: Interval) -> float:
     return error
 
 
-def path_bound(mechanism: Mechanism, interval: Interval) -> float:
-    """Return an upper bound (engine units) of any point's path in an interval, and of the relative
-    path of any two points.
-    """
-    ends = (interval.start, interval.end.state)
-    return MOST_SPEED * max(map(mechanism.speed_bound, ends)) * interval.length
-
-
 def first_touch(
     mechanism: Mechanism,
     closest: Callable[[State], ClosestApproach],
@@ -321,7 +319,8 @@ def first_touch(
     """
     length = interval.length
     margin = interpolation_error
-    bound = path_bound(mechanism, interval)
+    speeds = map(mechanism.speed_bound, (interval.start, interval.end.state))
+    bound = MOST_SPEED * max(speeds) * length
     fraction = begin
     touch = closest(interval.at(begin * length))
     while fraction < last and touch.gap <= bound * (last - fraction) + margin:
