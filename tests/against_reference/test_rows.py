@@ -162,7 +162,7 @@ FOLDED = {
 
 
 @pytest.mark.parametrize("accuracy", [1e-7, pytest.param(1e-11, marks=pytest.mark.nightly)])
-@pytest.mark.parametrize("case", FOLDED)
+@pytest.mark.parametrize("case", ["narrow", pytest.param("slow", marks=pytest.mark.nightly)])
 def test_wires_that_the_bar_folds_flat_on_each_other_jam(case: str, accuracy: float) -> None:
     """Parallel wires touch at a root too, where no force can turn the wire, while the hub turns on."""
     tool, row = FOLDED[case]

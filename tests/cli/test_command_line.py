@@ -409,7 +409,7 @@ def started(name: str, *arguments: str) -> list[str]:
     ("number", "status", "line"),
     [
         ("SIGINT", 130, "interrupted\n"),
-        ("SIGTERM", 143, ""),
+        pytest.param("SIGTERM", 143, "", marks=pytest.mark.nightly),
         pytest.param("SIGHUP", 129, "", marks=pytest.mark.nightly),
     ],
 )

@@ -198,7 +198,10 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
 """What is broken, by which attribute of which module and how, and the cases that must notice it."""
 
 
-@pytest.mark.parametrize("name", BROKEN)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.nightly if "budget" in name else ()) for name in BROKEN],
+)
 def test_broken_physics_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     (owner, attribute, broken), cases = BROKEN[name]
     monkeypatch.setattr(owner, attribute, broken)

@@ -103,6 +103,7 @@ def drag(page: Any, part: str, right: float, down: float, steps: int) -> None:
     settle(page)
 
 
+@pytest.mark.nightly
 def test_moves_in_any_order_show_the_present_tool(
     browser: Any, address: str, errors: list[str]
 ) -> None:
