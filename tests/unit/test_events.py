@@ -110,7 +110,7 @@ class TestFirstTouch:
     ids=["rigid", "wire", "in time"],
 )
 def test_a_gap_that_is_left_unsearched_is_open(keys: dict[str, Any], row: Row) -> None:
-    """Its lower bound is below it after every interval, through impacts, contacts and dents."""
+    """The lower bound of a gap is below the gap after every interval, through impacts, contacts and dents."""
     system, *_ = prepare(
         Tool().replace(**keys), Settings(accuracy=1e-4), (None, 0.0, 0.0), row, stop_after=None
     )

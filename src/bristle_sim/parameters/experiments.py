@@ -168,7 +168,7 @@ class Neighbours(Declared):
 
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
-    """Comparison of a result with an independent solution of the same problem, or none."""
+    """Request to compare a result with an independent solution of the same problem."""
 
     reference: str = choice(
         "reference: whether the independent solution is computed too and judges the result"

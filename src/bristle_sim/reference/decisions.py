@@ -306,16 +306,17 @@ def _hit(system: System, state: State, point: Point) -> State:
     velocity = np.array([hit.velocity_normal, hit.velocity_tangential], dtype=float)
     for own in log.of(point):
         own.contact(contact, after, velocity, "energetic", hit.outcome_name, hit.phases)
-    log.impacts.append(state)
+    log.impacts.append((state, point))
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
     moment = AT_ONCE / max(system.fastest, float(np.abs(after.rates).max()))
     if hit.outcome_name == "jam":
         raise log.jam(after)
-    if len(recent) == most and state.time - recent[0].time < moment:
+    before, first = recent[0]
+    if len(recent) == most and state.time - before.time < moment:
         # The impacts at wedged links have no end, so their impulses have no sum.
-        log.forget_contacts(recent[0].time)
-        raise log.jam(recent[0]._replace(time=state.time))
+        log.forget_impacts(before.time, first)
+        raise log.jam(before._replace(time=state.time))
     return after
 
 

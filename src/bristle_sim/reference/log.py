@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -150,7 +151,7 @@ class Log:
         stop_after: name of the event that ends the run, or None.
         pairs: indices of the two wires of each pair that can touch.
 
-    ``impacts`` are the states before the impacts of all wires, in order.
+    ``impacts`` holds the state before each impact of any wire, and the point of the impact.
     """
 
     def __init__(
@@ -165,7 +166,7 @@ class Log:
         self.stop_after = stop_after
         self.pairs = pairs
         self.samples: list[tuple[State, Array]] = []
-        self.impacts: list[State] = []
+        self.impacts: list[tuple[State, Point]] = []
 
     def of(self, point: Point) -> Sequence[Record]:
         """Return the records of the one or two wires that take part in a contact."""
@@ -214,10 +215,15 @@ class Log:
         for own in self.of(point):
             own.event(f"{point.obstacle} release", time)
 
-    def forget_contacts(self, since: float) -> None:
-        """Remove the records of all contacts that began at or after a time in s."""
+    def forget_impacts(self, since: float, first: Point) -> None:
+        """Remove the records of all impacts from a time on (s), except the first, which is a jam.
+
+        ``first`` is the point of the first impact.
+        """
         for own in self.records:
-            own.contacts = [each for each in own.contacts if each.time < since]
+            later = [each for each in own.contacts if each.time >= since]
+            kept = [replace(later[0], outcome="jam")] if own in self.of(first) else []
+            own.contacts = [each for each in own.contacts if each.time < since] + kept
 
     def jam(self, state: State) -> Finished:
         """Record for every wire that the wires jam, and return the exception that ends the run.

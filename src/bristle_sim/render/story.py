@@ -121,7 +121,9 @@ def _strike(
 
 
 def _caption(trajectory: Trajectory, event: Event, later: Sequence[Event], lags: bool) -> str:
-    """Return the caption of the phase that begins with an event; empty if the event begins none.
+    """Return the caption of the phase that begins with an event.
+
+    The caption is empty if no phase begins with the event.
 
     Args:
         trajectory: motion of the pass.

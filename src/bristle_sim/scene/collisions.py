@@ -213,14 +213,16 @@ def _after_all_touches(
 
 
 def _forget_impacts(system: System) -> None:
-    """Remove the impacts at this instant from the record, and return to the state before them.
+    """Return to the state before the impacts at this instant, and record the first of them as a jam.
 
     The impacts at wedged links have no end, so their impulses have no sum.
     """
     recording = system.recording
     time = system.state.time
-    while recording.contacts and recording.contacts[-1][0].time == time:
+    while len(recording.contacts) > 1 and recording.contacts[-2][0].time == time:
         recording.contacts.pop()
+    first, links = recording.contacts.pop()
+    recording.contacts.append((replace(first, outcome=str(Outcome.JAM)), links))
     while len(recording.states) > 1 and recording.states[-2].time == time:
         recording.states.pop()
         recording.forces.pop()

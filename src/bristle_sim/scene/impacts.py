@@ -1,8 +1,9 @@
 """Impact laws, and the response of a contact point to an impulse.
 
 An instantaneous law takes a scene, a state and a pair of link and obstacle, and returns the contact
-record, with the angular velocities after the impact. A law that simulates the contact over its duration
-(:mod:`bristle_sim.scene.compliant`) returns a spring instead, which acts in the simulation's loop.
+record, with the angular velocities after the impact. A law that simulates the contact over its
+duration (:mod:`bristle_sim.scene.compliant`) returns a spring instead, which acts in the
+simulation's loop.
 
 To add a law, write a subclass of :class:`ContactLaw`, let ``contact_law`` in
 :mod:`bristle_sim.scene.tool` return it, and add its name to the words of ``Contact.law``.
@@ -248,7 +249,7 @@ class EngineLaw(ContactLaw):
     name = "engine"
 
     def resolve(self, scene: Scene, state: State, pair: ContactPair) -> ContactRecord:
-        """Return the record of an impact with the workpart, which the engine resolves in a short step.
+        """Return the record of an impact with the workpart that the engine resolves in a short step.
 
         The workpart's shape in the engine extends beyond its surface by ``SHAPE_MARGIN``, so that
         the engine detects the touch. The link's shape is not enlarged, so the lever of friction is
