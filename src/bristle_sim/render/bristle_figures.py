@@ -210,8 +210,8 @@ def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
     drawings = draw_wires(axes, row.tool, lines, colors)
     for number, (drawing, line) in enumerate(zip(drawings, lines, strict=True), 1):
         drawing.place(line)
-        x, y = 0.9 * MILLIMETRES * line[0]
-        axes.text(x, y, str(number), color=colors[number - 1], ha="center", va="center")
+        x, y = 0.93 * MILLIMETRES * line[0]
+        axes.text(x, y, str(number), color=colors[number - 1], ha="center", va="center", zorder=8)
     places = touch_places(lines, row.tool.bristle.wire_diameter)
     axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
 
