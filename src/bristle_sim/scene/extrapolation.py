@@ -20,6 +20,8 @@ from operator import mul
 from types import MappingProxyType
 from typing import NamedTuple
 
+import numpy as np
+
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import RigidContacts
 from bristle_sim.scene.mechanism import State
@@ -194,10 +196,7 @@ class Extrapolation:
     """
 
     def __init__(
-        self,
-        tolerance: float,
-        longest: float = math.inf,
-        damped_step: float = math.inf,
+        self, tolerance: float, longest: float = math.inf, damped_step: float = math.inf
     ) -> None:
         """Set the length of the first interval, in which a link rotates by about one radian."""
         self.table = CLOSE
@@ -213,6 +212,7 @@ class Extrapolation:
         """
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
+    @np.errstate(over="ignore", invalid="ignore")
     def advance(
         self,
         scene: Scene,
@@ -224,7 +224,7 @@ class Extrapolation:
         """Integrate over an interval, with ever smaller steps until its error is permitted.
 
         The repetitions with smaller steps end before their rounding error would exceed the
-        permitted error.
+        permitted error. A result that overflows has an infinite error, and no warning is issued.
 
         Args:
             scene: the scene.
