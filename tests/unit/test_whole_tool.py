@@ -75,10 +75,9 @@ class TestTurn:
         assert not unsettled.repeats
         first, second = unsettled.runs
         assert second.time[-1] == pytest.approx(2.0 * math.pi / SPEED, rel=1e-12)
-        # The second turn starts where the first one ended.
-        assert (second.relative_angle[0], second.relative_rate[0]) == (
-            first.relative_angle[-1],
-            first.relative_rate[-1],
+        # The second turn starts where the first one ended; the conversion of units rounds.
+        assert (second.relative_angle[0], second.relative_rate[0]) == pytest.approx(
+            (first.relative_angle[-1], first.relative_rate[-1]), rel=1e-14
         )
 
     def test_power_balances_where_the_bar_leaves_the_wires_flank_for_its_end(self):
