@@ -112,7 +112,9 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
         if built_in or "site-packages" in Path(file).parts or file.startswith(INSTALLED):
             return value.__module__, value.__qualname__, _version(package)
         linecache.checkcache(file)
-        if not (text := linecache.getlines(file)):
+        text = linecache.getlines(file)
+        # Under the name "<string>" Python 3.13 keeps the text of ``python -c``, not that of ``eval``.
+        if file == "<string>" or not text:
             return self.name_alone(value, f"{value.__qualname__!r}, which has no source text")
         place = list(value.__code__.co_positions()) if isinstance(value, FunctionType) else None
         folders = getattr(sys.modules.get(package), "__path__", ())
