@@ -268,9 +268,9 @@ def sobol_study(
         They are estimated from the points ``chosen`` of the samples A and B, and of the copies of A
         in which one column is that of B.
         """
-        of_mixed = np.moveaxis(values[:, 2:, chosen], 1, 0)
-        func = {"f_A": values[:, 0, chosen], "f_B": values[:, 1, chosen], "f_AB": of_mixed}
-        estimate = sobol_indices(func=func, n=of_mixed.shape[-1])
+        own = values[:, :, chosen].copy()  # SciPy 1.14 subtracts the mean from the arrays it gets
+        func = {"f_A": own[:, 0], "f_B": own[:, 1], "f_AB": np.moveaxis(own[:, 2:], 1, 0)}
+        estimate = sobol_indices(func=func, n=own.shape[-1])
         return np.reshape([estimate.first_order, estimate.total_order], (2, len(outputs), inputs))
 
     middle = indices(slice(None))
