@@ -95,7 +95,7 @@ class TestContacts:
         """The normal turns with the line from end to end: central differences over 1e-7 s of a contact that does not open."""
         chain = Chain(Tool(), -1.0, -1.3)
         angles = np.array([-1.3, -1.05])
-        wires = WirePairs(2, Tool().bristle.wire_diameter, Surface())
+        wires = WirePairs(chain, Tool().bristle.wire_diameter, Surface())
         point = Point("wire", 0, False)
         at_rest = wires.touch(
             chain, chain.kinematics(1e-3, angles, np.array([400.0, 250.0])), point

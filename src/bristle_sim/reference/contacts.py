@@ -15,7 +15,6 @@ The drifts are the velocities if theta' = 0, the biases the accelerations if the
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -32,8 +31,8 @@ class Point(NamedTuple):
 
     Attributes:
         obstacle: name of the obstacle; ``wire`` for a contact between two wires.
-        piece: index of the straight piece of the wire. For a contact between two wires it is the
-            index of their pair.
+        piece: index of the straight piece of the wire. For a contact between two wires it is an
+            index of ``WirePairs.pairs``.
         corner: whether the contact is at the end of the piece instead of on its flank.
     """
 
@@ -184,84 +183,74 @@ class Workpart:
 
 
 class WirePairs:
-    """The wires of a row as obstacles of each other, pair by pair.
+    """The wires of a row as obstacles of each other: corners and straight pieces of different wires.
 
-    A contact's ``Point.piece`` is here the index of the pair.
+    A corner is a root, a knee, a joint between links or a tip. At least one of the two points at
+    which wires touch is a corner. A contact's ``Point.piece`` is here the index of a pair of corner
+    and piece. ``pairs`` holds two pieces for each pair: the corner is an end of the first one.
     """
 
     compliance = 0.0
 
-    def __init__(self, wires: int, diameter: float, surface: Surface) -> None:
+    def __init__(self, chain: Chain, diameter: float, surface: Surface) -> None:
         self.diameter = diameter
         self.surface = surface
-        self.pairs = list(itertools.combinations(range(wires), 2))
+        wires = np.cumsum(chain.tips) - chain.tips  # index of each piece's wire
+        pieces = np.arange(len(wires))
+        roots = np.flatnonzero(np.diff(wires, prepend=-1))
+        corners = np.concatenate([chain.pieces.starts[roots], chain.pieces.ends])
+        carriers = np.concatenate([roots, pieces])
+        own, self._other = np.nonzero(np.not_equal.outer(wires[carriers], wires))
+        self._links = chain.pieces.links[carriers[own]]
+        self._arms = corners[own]
+        self.pairs = np.column_stack([carriers[own], self._other]).tolist()
 
     def gaps(self, chain: Chain, motion: Kinematics) -> Array:
-        """Return the gap between the two wires of every pair (m), shape (..., pairs)."""
-        distances = [self._nearest(chain, motion, *pair)[0] for pair in self.pairs]
-        return np.array(distances).T - self.diameter
+        """Return the gap between corner and piece of every pair (m), shape (..., pairs)."""
+        (front, _), (back, _), _ = self._nearest(chain, motion, slice(None))
+        return np.asarray(np.abs(front - back) - self.diameter)
 
     def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
-        """Return the kinematics of the contact between the two wires of a pair.
+        """Return the kinematics of the contact between the corner and the piece of a pair.
 
-        The velocity is that of the first wire minus that of the second wire.
+        The velocity is that of the corner's wire minus that of the piece's wire.
         """
-        wires = self.pairs[point.piece]
-        distance, end, at, foot = self._nearest(chain, motion, *wires)
-        places = np.where(end, [foot, at], [at, foot]).T
-        arms = places * chain.ends[list(wires)] / chain.length
-        (front, back), (front_velocity, back_velocity) = (
-            np.moveaxis(each, -1, 0) for each in chain.points(motion, list(wires), arms)
-        )
+        nearest = self._nearest(chain, motion, point.piece)
+        (front, front_velocity), (back, back_velocity), on_flank = nearest
+        other = int(chain.pieces.links[self._other[point.piece]])
+        distance = np.abs(front - back)
         normal = (front - back) / distance
-        # The end moves with its wire. The normal turns with the other wire's flank, or with the
-        # line between two ends.
-        on_flank = (foot > 0.0) & (foot < chain.length)
-        turning = np.where(end, motion.rates[..., wires[0]], motion.rates[..., wires[1]])
+        # The normal turns with the piece's flank, or with the line between two corners.
         between = dot(1j * normal, front_velocity - back_velocity) / distance
-        spin = np.where(on_flank, turning, between)
-        reach = (0.5 - end) * self.diameter * normal
-        contact = np.where(end, back, front) - reach
-        moving = np.where(end, back_velocity, front_velocity) - 1j * spin * reach
+        spin = np.where(on_flank, motion.rates[..., other], between)
+        reach = 0.5 * self.diameter * normal
+        moving = front_velocity - 1j * spin * reach
         gap = distance - self.diameter
-        own, other = (
-            touch_of(chain, motion, link, gap, normal, contact, spin, moving) for link in wires
+        wire, obstacle = (
+            touch_of(chain, motion, int(link), gap, normal, front - reach, spin, moving)
+            for link in (self._links[point.piece], other)
         )
         return Touch(
-            gap, own.rows - other.rows, own.velocity - other.velocity, own.bias - other.bias
+            gap,
+            wire.rows - obstacle.rows,
+            wire.velocity - obstacle.velocity,
+            wire.bias - obstacle.bias,
         )
 
-    @staticmethod
-    def _nearest(
-        chain: Chain, motion: Kinematics, first: int, second: int
-    ) -> tuple[Any, Any, Any, Any]:
-        """Return the shortest distance between the centre lines of two wires, and where it is.
-
-        At least one of the two nearest points is an end of its wire.
+    def _nearest(self, chain: Chain, motion: Kinematics, pair: Any) -> tuple[Any, Any, Any]:
+        """Return the corner and the nearest point of the piece, for one pair or for several.
 
         Returns:
-            distance: the shortest distance, m.
-            end: which wire has its nearest point at an end: 0 for the first wire, 1 for the second.
-            at: distance of this end from the root of its wire, m.
-            foot: distance of the other wire's nearest point from its root, m.
+            Position (m) and velocity (m/s) of the corner.
+            Position and velocity of the nearest point of the piece.
+            Whether this point is between the ends of the piece.
         """
-        length = chain.length
-        along = chain.ends * motion.turn / length
-        distances = []
-        feet = []
-        for own, other in ((first, second), (second, first)):
-            for at in (0.0, length):
-                apart = motion.joint[..., own] + at * along[..., own] - motion.joint[..., other]
-                foot = np.clip(dot(along[..., other], apart), 0.0, length)
-                distances.append(np.abs(apart - foot * along[..., other]))
-                feet.append(foot)
-        nearest = np.argmin(distances, axis=0)
-        return (
-            np.min(distances, axis=0),
-            nearest // 2,
-            nearest % 2 * length,
-            np.choose(nearest, feet),
-        )
+        links, starts, directions, lengths = (column[self._other[pair]] for column in chain.pieces)
+        corner = chain.points(motion, self._links[pair], self._arms[pair])
+        origin, _ = chain.points(motion, links, starts)
+        foot = dot(directions * motion.turn[..., links], corner[0] - origin)
+        arms = starts + np.clip(foot, 0.0, lengths) * directions
+        return corner, chain.points(motion, links, arms), (foot > 0.0) & (foot < lengths)
 
 
 Obstacles = Mapping[str, Bar | Workpart | WirePairs]

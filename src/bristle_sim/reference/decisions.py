@@ -151,8 +151,9 @@ def _stiffness(instant: Instant, touch: Touch, surface: Surface) -> float | None
         return system.stiffness
     check_restitution(surface.restitution)
     if chain.links > chain.wires:
-        inertia = float(chain.mass_matrix(np.ones(chain.links, dtype=complex)).sum())
-        lever = touch.along - float(instant.motion.joint[0].real)
+        straight = chain.mass_matrix(np.ones(chain.links, dtype=complex))
+        inertia = float(straight.sum()) / chain.wires
+        lever = float(touch.rows[0].sum())  # normal velocity per angular velocity of a stiff wire
         system.stiffness = frictionless_stiffness(lever**2 / inertia, surface.restitution, duration)
     else:
         hit, _ = _impact(instant, touch, surface)
@@ -218,8 +219,7 @@ def record(system: System, state: State, ending: Iterable[Sustained], outcome: s
             velocity = velocity * [0.0, 1.0]
             law = "sustained"
         if state.time > each.since.time:
-            for own in system.log.of(each.point):
-                own.contact(each, state, velocity, law, outcome)
+            system.log.contact(each, state, velocity, law=law, outcome=outcome)
 
 
 def end_compression(system: System, each: Compliant, state: State) -> State:
@@ -304,8 +304,8 @@ def _hit(system: System, state: State, point: Point) -> State:
         compression=np.array([*compressive, *hit.compressive_work], dtype=float),
     )
     velocity = np.array([hit.velocity_normal, hit.velocity_tangential], dtype=float)
-    for own in log.of(point):
-        own.contact(contact, after, velocity, "energetic", hit.outcome_name, hit.phases)
+    known = {"law": "energetic", "outcome": hit.outcome_name, "phases": hit.phases}
+    log.contact(contact, after, velocity, **known)
     log.impacts.append((state, point))
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]

@@ -53,24 +53,14 @@ class Record:
         """Return the times at which events of a given name occurred on this wire, s."""
         return [each.time for each in self.events if each.name == name]
 
-    def contact(
-        self,
-        each: Sustained,
-        until: State,
-        velocity: Array,
-        law: str,
-        outcome: str,
-        phases: tuple[str, ...] = (),
-    ) -> None:
+    def contact(self, each: Sustained, until: State, velocity: Array, **known: Any) -> None:
         """Record a contact or an impact of this wire.
 
         Args:
             each: the contact. An impact is given as a contact with the impact's impulses and works.
             until: state after the contact.
             velocity: (normal, tangential) contact velocity in this state, m/s.
-            law: law of the contact, as in ``ContactRecord``.
-            outcome: outcome of an impact, or the reason why a sustained contact ends.
-            phases: names of the phases of an impact, in order.
+            known: further attributes of the ``ContactRecord``.
         """
         compression = each.sums if each.compression is None else each.compression
         pairs = {
@@ -88,7 +78,11 @@ class Record:
         numbers: dict[str, Any] = {name: tuple(pair.tolist()) for name, pair in pairs.items()}
         self.contacts.append(
             ContactRecord(
-                each.point.obstacle, law, outcome, time, until.time - time, phases=phases, **numbers
+                obstacle=each.point.obstacle,
+                time=time,
+                duration=until.time - time,
+                **numbers,
+                **known,
             )
         )
 
@@ -149,7 +143,7 @@ class Log:
         wires: the links of each wire, as a separate chain.
         interval: time between samples, s.
         stop_after: name of the event that ends the run, or None.
-        pairs: indices of the two wires of each pair that can touch.
+        pairs: indices of the two straight pieces of each pair of ``WirePairs``.
 
     ``impacts`` holds the state before each impact of any wire, and the point of the impact.
     """
@@ -159,7 +153,7 @@ class Log:
         wires: Sequence[Chain],
         interval: float,
         stop_after: str | None,
-        pairs: Sequence[tuple[int, int]] = (),
+        pairs: Sequence[Sequence[int]] = (),
     ) -> None:
         self.records = [Record(each, number) for number, each in enumerate(wires)]
         self.interval = interval
@@ -168,11 +162,29 @@ class Log:
         self.samples: list[tuple[State, Array]] = []
         self.impacts: list[tuple[State, Point]] = []
 
+    def pieces(self, point: Point) -> Sequence[int]:
+        """Return the indices of the one or two straight pieces that take part in a contact."""
+        return self.pairs[point.piece] if point.obstacle == "wire" else [point.piece]
+
     def of(self, point: Point) -> Sequence[Record]:
         """Return the records of the one or two wires that take part in a contact."""
-        if point.obstacle == "wire":
-            return [self.records[each] for each in self.pairs[point.piece]]
-        return self.records if len(self.records) == 1 else [self.records[point.piece]]
+        size = len(self.records[0].chain.pieces.links)
+        return [self.records[piece // size] for piece in self.pieces(point)]
+
+    def contact(self, each: Sustained, *known: Any, **named: Any) -> None:
+        """Record a contact or an impact of one or two wires; arguments as for ``Record.contact``."""
+        records = self.of(each.point)
+        links = self.records[0].chain.pieces.links
+        for own, other, piece in zip(
+            records, reversed(records), self.pieces(each.point), strict=True
+        ):
+            own.contact(
+                each,
+                *known,
+                link=int(links[piece % len(links)]) + 1 if own.chain.links > 1 else None,
+                neighbour=None if other is own else other.number + 1,
+                **named,
+            )
 
     def sample(self, state: State, pushes: Iterable[tuple[Point, Array]]) -> None:
         """Store a state and the forces at its contacts as a sample.

@@ -141,14 +141,14 @@ def simulate_row_reference(
     hub_turn: float = 1.5 * math.pi,
     **requested: Any,
 ) -> tuple[Trajectory, ...]:
-    """Simulate a row of straight rigid bristles that touch the bar, the workpart and each other.
+    """Simulate a row of bristles that touch the bar, the workpart and each other.
 
     All bristles start at the same time, radial and at rest relative to the hub unless ``requested``
     sets another start. A touch of two wires is an impact by the energetic law, in which both wires
     move.
 
     Args:
-        tool: a tool with a straight rigid bristle.
+        tool: the tool; every bristle has its parameters.
         bristles: number of bristles.
         pitch: angle between the roots of neighbours, rad.
         neighbour_friction: coefficient of friction between two wires.
@@ -170,9 +170,9 @@ def simulate_row_reference(
     request = Request(hub_turn=hub_turn, **given)
     starts = [request.start_hub_angle - number * pitch for number in range(bristles)]
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
-    wires = WirePairs(bristles, tool.bristle.wire_diameter, surface)
-    fixed = obstacles_of(tool)
     chain = Chain(tool, *starts)
+    wires = WirePairs(chain, tool.bristle.wire_diameter, surface)
+    fixed = obstacles_of(tool)
     rates = np.full(chain.links, chain.speed + request.start_relative_rate)
     start = State(0.0, chain.start_hub_angles + request.start_relative_angle, rates)
     end, interval = _span(tool, request, (bristles - 1) * pitch)

@@ -222,8 +222,7 @@ class ContactRecord:
         phases: names of the phases in order, for example ``("compression slip", "restitution
             slip")``.
         history: forces and motion of a compliant contact over time; None for any other contact.
-        link: number of the link in contact, from 1 at the root; None for a rigid bristle, and in
-            the reference solution.
+        link: number of the link in contact, from 1 at the root; None for a rigid bristle.
         neighbour: number of the other bristle in its row, from 1 for the foremost bristle; None for
             any other obstacle.
         point: point of the wire in contact at the start: ``tip``, ``knee`` (or a joint between
