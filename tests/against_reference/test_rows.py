@@ -72,6 +72,67 @@ def test_a_row_moves_as_in_the_reference(
         assert run.angles[-1] == pytest.approx(other.angles[-1], abs=1e-5)
 
 
+BENT_ROWS = {
+    "a joint lands on a flank whose own tip already slides": (
+        {
+            "hub_speed": 142.59586496940608,
+            "friction": 0.23007551452231537,
+            "restitution": 0.33356244795107354,
+            "bar_friction": 0.35538071483891287,
+            "bar_restitution": 0.0,
+            "belt_stiffness": 0.027432815139575357,
+            "penetration": 0.008672091040511826,
+            "bar_horizontal": 0.05158182069460632,
+            "bar_vertical": 0.021742601686105763,
+            "bar_radius": 0.005477749721024647,
+            "wire_links": 2,
+            "wire_modulus": 62668800749.38488,
+            "wire_damping_ratio": 0.02,
+        },
+        {"pitch": 0.14569024257663593, "neighbour_friction": 0.29856625902756057},
+        0.00815,
+    ),
+    "a tip slides off the other wire's tip onto the other side": (
+        {
+            "hub_speed": 86.33570366078007,
+            "friction": 0.01388230127662542,
+            "restitution": 0.0,
+            "bar_friction": 0.3016539993456002,
+            "bar_restitution": 0.0,
+            "belt_stiffness": 0.0032403187547909635,
+            "belt_damping_ratio": 0.4416936389514453,
+            "penetration": 0.009321788450358562,
+            "bar_horizontal": 0.05172375756092477,
+            "bar_vertical": 0.025026066598420868,
+            "knee_angle_deg": 30.58441271027249,
+            "knee_position": 0.8249225031493972,
+        },
+        {"pitch": 0.11366049579035173, "neighbour_friction": 0.32246402742004665},
+        0.0065,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BENT_ROWS)
+def test_wires_with_corners_touch_each_other_as_in_the_reference(case: str) -> None:
+    """All impulses of wires on each other and of the bar, and the angles at the end, to a hundred times the accuracy."""
+    keys, given, until = BENT_ROWS[case]
+    tool = Tool().replace(**keys)
+    turn = until * tool.hub.speed - given["pitch"]
+    given = given | {"bristles": 2, "neighbour_restitution": 0.0}
+    runs = simulate_row(tool, Settings(accuracy=1e-7, hub_turn=turn), **given)
+    exact = simulate_row_reference(tool, accuracy=1e-9, hub_turn=turn, **given)
+    for run, other in zip(runs, exact, strict=True):
+        assert run.time[-1] == pytest.approx(other.time[-1], rel=1e-12)
+        assert run.angles[-1] == pytest.approx(other.angles[-1], abs=1e-5)
+        for obstacle in ("wire", "bar"):
+            total, expected = (
+                sum(each.impulse[0] for each in one.contacts if each.obstacle == obstacle)
+                for one in (run, other)
+            )
+            assert total == pytest.approx(expected, rel=1e-5)
+
+
 @pytest.mark.parametrize("links", [1, 2])
 def test_wide_apart_each_pass_is_the_lone_one(links: int) -> None:
     """The lone pass, a pitch of the hub's turn later; ten times the requested accuracy."""

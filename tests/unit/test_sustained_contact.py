@@ -1,6 +1,5 @@
 """Rigid sustained contacts, against geometry and values by hand."""
 
-import cmath
 import math
 from cmath import rect
 from dataclasses import replace
@@ -13,10 +12,9 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact import ActiveContact, RigidContacts, Sums, sums_of
 from bristle_sim.scene.events import Kind
-from bristle_sim.scene.extrapolation import Extrapolation, IntervalResult
-from bristle_sim.scene.locate import Interval
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.motion import Motion, accept, integrate
+from bristle_sim.scene.motion import Motion, integrate
 from bristle_sim.scene.pairs import (
     BarPair,
     ClosedPair,
@@ -252,7 +250,7 @@ def test_the_compliance_of_two_wires_is_that_over_both_free_rods() -> None:
     """The tip of a rod of mass 1 touches its like across: K = (lever^2 + lever'^2)/(1/3), and both would move if free."""
     mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)), 1.0, 0.0, 0.0, 2, 0.5)
     state = State(0.0, (-0.6, 0.1), (0.0, 0.0))
-    pair = WirePair(0, 0, 1, 0, 0.01, 0.0, 0.0)
+    pair = WirePair(0, 1, 1, 0, 0.01, 0.0, 0.0)
     contact = ClosedPair(pair)
     rigid = RigidContacts(Scene(mechanism, Effects(pairs=(pair,))), [contact])
     touch = pair.closest(mechanism.poses(state), state.rates)
@@ -292,38 +290,3 @@ def test_a_contact_at_a_knee_is_one_of_the_segment_onto_which_the_bar_slides(
             slides += 1
             assert contact.piece == piece
     assert slides == 1
-
-
-TWO = Mechanism((Link.rod(1.0, 1.0),) * 2, 1.0, 0.0, 0.0, 2, 0.2)
-BESIDE = WirePair(0, 0, 1, 0, 0.5 * abs(cmath.exp(0.2j) - 1.0) * math.cos(0.7), 0.0, 0.0)
-"""Two rods whose roots are 2 sin 0.1 apart. At angles of -0.8 they lie side by side: the line of the roots is at -0.1 to the horizontal."""
-
-
-def ends_of(state: State) -> list[float]:
-    """The distance at each of the four ends: root and tip of the first rod, then of the second."""
-    return [BESIDE.closest(TWO.poses(state), state.rates, end).gap for end in range(4)]
-
-
-@pytest.mark.parametrize(("sense", "end"), [(1.0, 2), (-1.0, 1)])
-def test_two_wires_side_by_side_touch_at_the_end_that_approaches(sense: float, end: int) -> None:
-    """The tip of the first rod and the root of the second lie on the other rod; the first rod turns."""
-    state = State(0.0, (-0.8, -0.8), (sense, -0.5 * sense))
-    assert ends_of(state)[1:3] == pytest.approx([0.0, 0.0], abs=1e-12)
-    contact, _ = closed(TWO, BESIDE, state)
-    assert contact.piece == end
-
-
-def test_two_wires_that_have_rolled_past_each_other_touch_at_the_other_end() -> None:
-    scene = Scene(TWO, Effects(pairs=(BESIDE,)))
-    state = State(0.0, (-0.8, -0.8), (0.2, 0.2))
-    system = System(scene, state, Extrapolation(1e-9), Plan(1.0, 1e-6))
-    motion = begin_motion(system, Motion((ActiveContact(BESIDE),)))
-    (contact,) = motion.ordered
-    assert motion.rigid is not None
-    assert motion.rigid.closed[0].piece == 1
-    rolled = State(1e-2, (-0.802, -0.802), (-0.2, -0.2))
-    end = IntervalResult(rolled, (0.0, 0.0), (*Sums(1.0),))
-    accept(system, motion, Interval(IntervalResult(state), end, lambda _: end))
-    gaps = ends_of(system.state)
-    assert gaps[2] < gaps[1] - 1e-6
-    assert contact.piece == 2

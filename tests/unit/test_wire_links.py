@@ -61,9 +61,10 @@ def test_pairs_are_of_different_wires() -> None:
     bent = Link(0.5, 0.01, -0.2j, (0j, -0.3j, 0.1 - 0.5j))
     row = Mechanism((Link.rod(0.5, 0.5), bent) * 2, wires=2, pitch=0.3, hub_radius=1.0)
     pairs = list(wire_pairs(row, 0.01, 0.1, 0.2))
-    # One piece of the straight link and two of the bent one, on either side.
-    assert len(pairs) == 9
-    assert {(each.link // 2, each.partner // 2) for each in pairs} == {(0, 1)}
+    # Root, joint, knee and tip of either wire with the three pieces of the other wire.
+    assert len(pairs) == 24
+    assert len({(each.link, each.corner) for each in pairs}) == 8
+    assert {(each.link // 2, each.partner // 2) for each in pairs} == {(0, 1), (1, 0)}
 
 
 def test_a_contact_that_passes_the_end_of_a_wire_keeps_its_accuracy() -> None:

@@ -200,7 +200,7 @@ def _after_all_touches(
     else:
         _forget_impacts(system)
     if not still:
-        jam(system, fastest)
+        jam(system, *closed)
         return Motion(motion.contacts)
     leaving = tuple(pair for pair in closed if rates[pair] > slow)
     released = [contact for pair, contact in lasting.items() if pair in leaving]

@@ -192,7 +192,7 @@ class RigidContacts:
         mechanism = self.scene.mechanism
         for contact in self.closed:
             pair = contact.pair
-            if pair.partner is not None or len(mechanism.links[pair.link].corners) > 2:
+            if pair.partner is None and len(mechanism.links[pair.link].corners) > 2:
                 # At a corner two segments touch. The motion in the time MOMENT selects one.
                 later = state.moved(MOMENT, [0.0] * len(state.rates))
                 contact.piece = pair.closest(mechanism.poses(later), later.rates).piece

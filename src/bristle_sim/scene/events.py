@@ -195,11 +195,11 @@ def contact_events(
             continue
         assert rigid is not None
         yield from _rigid_events(system, contact, rigid, index)
-        piece = rigid.closed[index].piece or 0
         if isinstance(contact.pair, BarPair):
+            piece = rigid.closed[index].piece or 0
             yield from _bar_events(system, contact, contact.pair, piece)
         elif isinstance(contact.pair, WirePair):
-            yield from _wire_events(system, contact.pair, piece)
+            yield from _wire_events(system, contact, contact.pair)
 
 
 def _rigid_events(
@@ -260,21 +260,14 @@ def _bar_events(
         yield Event(Kind.HAND_OVER, (contact, upper), partial(after, upper), 1)
 
 
-def _wire_events(system: System, pair: WirePair, piece: int) -> Iterator[Event]:
-    """Yield the events at which two wires in contact touch at a root too, lying flat on each other.
+def _wire_events(system: System, contact: ActiveContact, pair: WirePair) -> Iterator[Event]:
+    """Yield the events at which a corner slides over an end of the other wire's segment."""
 
-    A second touch at a knee or joint needs no event: the pair of a neighbouring segment detects it.
-    ``piece`` is the index of the segment's end in contact.
-    """
-    mechanism = system.mechanism
-    starts = ((0, pair.link, pair.own_piece), (2, pair.partner, pair.partner_piece))
+    def passed(end: float, at: IntervalResult) -> float:
+        return pair.foot(system.mechanism.poses(at.state)) - end
 
-    def gap(end: int, at: IntervalResult) -> float:
-        return pair.closest(mechanism.poses(at.state), at.state.rates, end).gap
-
-    for end, link, part in starts:
-        if end != piece and part == link % mechanism.wire_links == 0:
-            yield Event(Kind.TOUCH, pair, partial(gap, end))
+    for end in (0.0, 1.0):
+        yield Event(Kind.KINK, contact, partial(passed, end), 0)
 
 
 def _spring_events(system: System, spring: SpringContact, index: int) -> Iterator[Event]:

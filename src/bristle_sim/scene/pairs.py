@@ -40,8 +40,8 @@ class ClosestApproach(NamedTuple):
             degrees, which is +x on the workpart.
         velocity: (normal, tangential) velocity of the link's contact point relative to the
             obstacle.
-        piece: index of the closest straight segment of the centre line, from 0 at the joint. For
-            two wires it is the index of the segment end that touches, as for ``WirePair``.
+        piece: index of the closest straight segment of the centre line, from 0 at the joint; 0 for
+            two wires.
         partner_arm: vector from the joint of the other wire's link to the contact point; None for a
             fixed obstacle.
     """
@@ -60,7 +60,8 @@ class ClosedPair:
 
     Attributes:
         pair: the link and the obstacle.
-        piece: index of the link's straight segment in contact; None for the closest segment.
+        piece: index of the link's straight segment in contact with the bar; None for the closest
+            segment.
         slip: sense of slip, +1 or -1; 0 in stick; None without friction, or if it is unknown.
     """
 
@@ -71,16 +72,6 @@ class ClosedPair:
 
 Line = tuple[complex, complex]
 """A straight segment of a wire's centre line: its two ends."""
-
-
-def _nearest(point: complex, line: Line) -> complex:
-    """Return the point of the segment ``line`` that is closest to ``point``."""
-    start, end = line
-    span = end - start
-    along = ((point - start) / span).real
-    if along <= 0.0:
-        return start
-    return end if along >= 1.0 else start + along * span
 
 
 SAME_FRICTION = property(attrgetter("friction"))
@@ -250,25 +241,25 @@ class WorkpartPair(FixedPair):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WirePair:
-    """A pair of two straight segments of links of different wires.
+    """A pair of a corner of one wire and a straight segment of another wire.
 
-    An end of one segment touches the other segment. The normal points from the other wire's link,
-    ``partner``, to the link. The ``piece`` of a closest approach is the index of the end that
-    touches: 0 and 1 are the start and the end of the link's own segment, 2 and 3 those of the
-    partner's segment.
+    The corner is a root, a knee, a joint between two links or a tip. At least one of the two points
+    at which wires touch is a corner. The normal points from the segment to the corner.
 
     Attributes:
-        own_piece: index of the straight segment in the link.
-        partner_piece: index of the straight segment in the partner.
+        link: index of the corner's link. A joint belongs to the link nearer to the root.
+        corner: index of the corner in the centre line of ``link``; 0 is a root.
+        partner: index of the other wire's link.
+        segment: index of the straight segment in ``partner``.
         wire_radius: radius of both wires.
 
     The other attributes are those of ``BarPair``.
     """
 
     link: int
-    own_piece: int
+    corner: int
     partner: int
-    partner_piece: int
+    segment: int
     wire_radius: float
     friction: float
     restitution: float
@@ -277,34 +268,41 @@ class WirePair:
     restitution_friction = SAME_FRICTION
 
     def closest(
-        self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None
+        self, poses: Sequence[Pose], rates: Sequence[float], _: int | None = None
     ) -> ClosestApproach:
-        """Return the closest approach of the two segments; ``piece`` selects one of the four ends."""
+        """Return the closest approach of corner and segment."""
         pose = poses[self.link]
         partner = poses[self.partner]
-        own = (pose.corners[self.own_piece], pose.corners[self.own_piece + 1])
-        other = (partner.corners[self.partner_piece], partner.corners[self.partner_piece + 1])
-        found = [(end, _nearest(end, other)) for end in own]
-        found += [(_nearest(end, own), end) for end in other]
-        if piece is None:
-            piece = min(range(4), key=lambda end: abs(found[end][0] - found[end][1]))
-        place, nearest = found[piece]
-        distance = abs(place - nearest)
-        normal = (place - nearest) / (distance or 1.0)  # undefined where centre lines meet
-        point = place - self.wire_radius * normal
+        corner = pose.corners[self.corner]
+        start, end = partner.corners[self.segment : self.segment + 2]
+        apart = corner - start - min(max(self.foot(poses), 0.0), 1.0) * (end - start)
+        distance = abs(apart)
+        normal = apart / (distance or 1.0)  # undefined where centre lines meet
+        point = corner - self.wire_radius * normal
         arm = point - pose.joint
         partner_arm = point - partner.joint
         velocity = pose.velocity + 1j * rates[self.link] * arm
         velocity -= partner.velocity + 1j * rates[self.partner] * partner_arm
-        # The centre lines cross if the ends of each are on two sides of the other.
-        crossed = all(
-            cross(end - start, first - start) * cross(end - start, second - start) < 0.0
-            for (start, end), (first, second) in ((own, other), (other, own))
-        )
-        gap = (-distance if crossed else distance) - 2.0 * self.wire_radius + self.dent
         velocity *= normal.conjugate()
+        gap = distance - 2.0 * self.wire_radius + self.dent
         components = (velocity.real, -velocity.imag)
-        return ClosestApproach(gap, arm, normal, components, piece, partner_arm)
+        return ClosestApproach(gap, arm, normal, components, 0, partner_arm)
+
+    def foot(self, poses: Sequence[Pose]) -> float:
+        """Return how far along the segment the corner is: 0 at the segment's start, 1 at its end."""
+        start, end = poses[self.partner].corners[self.segment : self.segment + 2]
+        return ((poses[self.link].corners[self.corner] - start) / (end - start)).real
+
+    def crosses(self, poses: Sequence[Pose]) -> bool:
+        """Return whether the wire's segment that ends in the corner crosses the other segment."""
+        own = poses[self.link].corners[max(self.corner - 1, 0) : self.corner + 1]
+        other = poses[self.partner].corners[self.segment : self.segment + 2]
+        return all(
+            cross(line[-1] - line[0], ends[0] - line[0])
+            * cross(line[-1] - line[0], ends[-1] - line[0])
+            < 0.0
+            for line, ends in ((own, other), (other, own))
+        )
 
 
 ContactPair = BarPair | WorkpartPair | WirePair

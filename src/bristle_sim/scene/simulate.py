@@ -324,13 +324,15 @@ def check_start(scene: Scene, tool: Tool, start: State) -> None:
     poses = scene.mechanism.poses(start)
     for pair in scene.effects.pairs:
         gap = pair.closest(poses, start.rates).gap
-        if gap >= -OVERLAP_ROUNDING:
+        crosses = pair.partner is not None and pair.crosses(poses)
+        if gap >= -OVERLAP_ROUNDING and not crosses:
             continue
         overlap = -gap * tool.bristle.length
         if pair.partner is not None:
+            words = "cross" if crosses else f"overlap by {overlap:.3g} m"
             raise ValueError(
                 f"pitch = {scene.mechanism.pitch:g}: must be one at which bristles are clear of each other at the start,"
-                f" these overlap by {overlap:.3g} m (in rad)"
+                f" these {words} (in rad)"
             )
         part = getattr(tool, pair.name)
         given = ", ".join(

@@ -22,6 +22,10 @@ from bristle_sim.trajectory import ContactRecord, Event
 # which the contact counts as at that end.
 AT_JOINT = 1e-9
 
+# Largest distance between the contact points of two pairs, in engine units, at which two wires touch
+# only once.
+SAME_PLACE = 1e-6
+
 GAP_ROUNDING = 1e-11  # largest gap that counts as closed, in engine units
 
 # Largest ratio of an interval to the previous interval, after a change of contact. Up to this ratio
@@ -267,6 +271,21 @@ class System:
         if self.recording.stop_reason is None:
             self.recording.stop_reason = reason
             self.recording.stop_detail = detail
+
+    def coincide(self, pair: ContactPair, other: ContactPair, state: State | None = None) -> bool:
+        """Return whether two pairs of corner and segment touch at the same two corners of wires.
+
+        ``state`` is by default the present state.
+        """
+        if pair.partner is None or other.partner is None:
+            return False
+        if {*self.wires_of(pair)} != {*self.wires_of(other)}:
+            return False
+        poses = self.mechanism.poses(state or self.state)
+        touch = self.closest(pair, state)
+        place = poses[pair.link].joint + touch.arm
+        apart = poses[other.link].joint + self.closest(other, state).arm - place
+        return abs(apart) <= SAME_PLACE + abs(touch.gap)
 
     def neighbour(self, pair: ContactPair, step: int) -> BarPair | None:
         """Return the pair of the bar and the neighbouring link of the same wire.

@@ -216,19 +216,17 @@ def wire_hinge(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[f
 def wire_pairs(
     mechanism: Mechanism, wire_radius: float, friction: float, restitution: float
 ) -> Iterator[WirePair]:
-    """Yield a pair for each combination of two straight segments of different wires.
+    """Yield a pair for each corner of a wire and each straight segment of another wire.
 
     The radius of the wires (engine units), their friction and their restitution are the same in all
     pairs.
     """
-    numbered = [
-        (link, piece)
-        for link, each in enumerate(mechanism.links)
-        for piece in range(len(each.corners) - 1)
-    ]
-    for (link, own), (partner, other) in itertools.combinations(numbered, 2):
-        if link // mechanism.wire_links != partner // mechanism.wire_links:
-            yield WirePair(link, own, partner, other, wire_radius, friction, restitution)
+    size = mechanism.wire_links
+    for (link, own), (partner, other) in itertools.permutations(enumerate(mechanism.links), 2):
+        if link // size != partner // size:
+            corners = range(0 if link % size == 0 else 1, len(own.corners))
+            for corner, segment in itertools.product(corners, range(len(other.corners) - 1)):
+                yield WirePair(link, corner, partner, segment, wire_radius, friction, restitution)
 
 
 def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:

@@ -217,6 +217,9 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
         rests = sustained and all(
             abs(closest(interval.at(time)).gap) <= GAP_ROUNDING for time in times
         )
+        if pair.partner is not None:
+            end = interval.end.state
+            rests = rests or any(system.coincide(pair, each, end) for each in sustained)
         active = [*motion.separating, *sustained]
         behind = system.behind_joint(pair, active, interval.end.state)
         straight = len(system.mechanism.links[pair.link].corners) == 2
@@ -330,16 +333,16 @@ def first_touch(
         if following.gap < 0.0:
             return ahead
         if touch.velocity[0] < 0.0 < following.velocity[0]:
-            left, right = fraction, ahead
-            while right - left >= 2.0**-MOST_HALVINGS:
+            left, right, inside = fraction, ahead, following
+            # The gap cannot close if it is larger than the path in the time that is left.
+            while 2.0**-MOST_HALVINGS <= right - left >= (inside.gap - margin) / (bound or 1.0):
                 middle = 0.5 * (left + right)
                 inside = closest(interval.at(middle * length))
                 if inside.gap < 0.0:
                     return middle
                 left, right = (middle, right) if inside.velocity[0] < 0.0 else (left, middle)
-            near = closest(interval.at(right * length)).gap < margin * min(
-                1.0, NEAR_START * right**2
-            )
+            error = margin * min(1.0, NEAR_START * right**2)
+            near = closest(interval.at(right * length)).gap < error
             if near and right * max(length, bound) > SHORTEST_ADVANCE:
                 return right
         fraction = ahead
