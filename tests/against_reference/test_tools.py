@@ -125,7 +125,13 @@ ROWS = [
     ),
     *(
         (name, 1e-4)
-        for name in ("as is", "bar's restitution 0.42", "held at its shank", "two links")
+        for name in (
+            "as is",
+            "bar's restitution 0.42",
+            "held at its shank",
+            "touched inside the knee",
+            "two links",
+        )
     ),
 ]
 

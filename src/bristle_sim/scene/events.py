@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pairs import BarPair, ClosestApproach, WirePair
+from bristle_sim.scene.pairs import SAME_GAP, BarPair, ClosestApproach, WirePair
 from bristle_sim.scene.spring import SpringContact
 from bristle_sim.scene.system import System
 
@@ -240,7 +240,9 @@ def _bar_events(
     lower, upper = system.neighbour(pair, -1), system.neighbour(pair, 1)
 
     def beside(at: IntervalResult) -> float:
-        return pair.gap_beside(mechanism.poses(at.state)[pair.link], piece)
+        """Return the other segments' gap where that of the contact is closed exactly."""
+        state = system.scene.joint_solver.set_back(at.state)
+        return pair.gap_beside(mechanism.poses(state)[pair.link], piece)
 
     def passed(end: int, at: IntervalResult) -> float:
         return pair.ends_passed(mechanism.poses(at.state)[pair.link])[end]
@@ -253,7 +255,7 @@ def _bar_events(
     for end in range(1, ends):
         yield Event(Kind.KINK, contact, partial(passed, end), 0)
     if ends > 2:
-        yield Event(Kind.TOUCH, pair, beside)
+        yield Event(Kind.TOUCH, pair, beside, tolerance=0.1 * SAME_GAP)
     if lower is not None:
         yield Event(Kind.HAND_OVER, (contact, lower), partial(passed, 0))
     if upper is not None:
