@@ -44,11 +44,14 @@ def test_the_same_as_a_march_in_time(size: int, most_steps: int) -> None:
 
 @pytest.mark.nightly
 def test_a_nearly_singular_K_goes_through_as_many_phases_as_a_march() -> None:
-    """As above, through up to a thousand phases; the march's error grows with their number, to some 1e-10."""
+    """As above, through up to a thousand phases; the march's error grows with their number, to some 1e-10.
+
+    Every seventh impact takes the march more than 20,000 steps.
+    """
     impacts = nearly_singular_impacts(1, 300)
     found, _ = marched(impacts, 20_000, 4000)
     apart = differences(impulse_and_velocity(energetic_impact(**impacts)), found)
-    assert np.isfinite(apart).sum() > 0.9 * 300
+    assert np.isfinite(apart).sum() > 0.8 * 300
     assert np.nanmax(apart) < 1e-9, np.argsort(np.nan_to_num(apart))[-5:]
 
 

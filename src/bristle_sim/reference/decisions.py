@@ -291,7 +291,7 @@ def _hit(system: System, state: State, point: Point) -> State:
         )
         impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
         after = state._replace(rates=state.rates + response @ impulse)
-        if not _hardly_rebounds(system, after, point):
+        if hit.outcome_name != "rebound" or not _hardly_rebounds(system, after, point):
             break
     works = np.add(hit.compressive_work, hit.restitutive_work)
     compressive = (hit.compressive_impulse_normal, hit.compressive_impulse_tangential)

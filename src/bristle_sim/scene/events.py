@@ -263,13 +263,18 @@ def _bar_events(
 
 
 def _wire_events(system: System, contact: ActiveContact, pair: WirePair) -> Iterator[Event]:
-    """Yield the events at which a corner slides over an end of the other wire's segment."""
+    """Yield the events at which a corner slides over an end of the other wire's segment.
 
-    def passed(end: float, at: IntervalResult) -> float:
-        return pair.foot(system.mechanism.poses(at.state)) - end
+    Of the pairs of two corners that touch, the one whose corner passes an end takes the contact.
+    """
 
-    for end in (0.0, 1.0):
-        yield Event(Kind.KINK, contact, partial(passed, end), 0)
+    def beyond(other: Any, at: IntervalResult) -> Any:
+        return abs(other.foot(system.mechanism.poses(at.state)) - 0.5) - 0.5
+
+    yield Event(Kind.KINK, contact, partial(beyond, pair), 0)
+    for other in system.pairs:
+        if other is not pair and system.coincide(pair, [other], system.state):
+            yield Event(Kind.HAND_OVER, (contact, other), partial(beyond, other), sign=1.0)
 
 
 def _spring_events(system: System, spring: SpringContact, index: int) -> Iterator[Event]:

@@ -18,7 +18,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector, cross
+from bristle_sim.scene.mechanism import Complexes, Mechanism, Pose, State, Vector
 
 # Largest difference of the gaps of two straight segments of a link that both count as touching, as
 # a fraction of the link's length.
@@ -292,17 +292,6 @@ class WirePair:
         """Return how far along the segment the corner is: 0 at the segment's start, 1 at its end."""
         start, end = poses[self.partner].corners[self.segment : self.segment + 2]
         return ((poses[self.link].corners[self.corner] - start) / (end - start)).real
-
-    def crosses(self, poses: Sequence[Pose]) -> bool:
-        """Return whether the wire's segment that ends in the corner crosses the other segment."""
-        own = poses[self.link].corners[max(self.corner - 1, 0) : self.corner + 1]
-        other = poses[self.partner].corners[self.segment : self.segment + 2]
-        return all(
-            cross(line[-1] - line[0], ends[0] - line[0])
-            * cross(line[-1] - line[0], ends[-1] - line[0])
-            < 0.0
-            for line, ends in ((own, other), (other, own))
-        )
 
 
 ContactPair = BarPair | WorkpartPair | WirePair

@@ -19,7 +19,7 @@ from bristle_sim.scene.collisions import (
     opens_without_force,
     resolve_impacts,
 )
-from bristle_sim.scene.contact import MOMENT, ActiveContact, Outcome, RigidContacts
+from bristle_sim.scene.contact import ActiveContact, Outcome, RigidContacts
 from bristle_sim.scene.events import (
     SPRING_KINDS,
     Happening,
@@ -28,7 +28,7 @@ from bristle_sim.scene.events import (
 )
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion, accept, integrate, motion_events
-from bristle_sim.scene.pairs import ContactPair, WirePair
+from bristle_sim.scene.pairs import ContactPair
 from bristle_sim.scene.spring import SpringContact, spring_forces
 from bristle_sim.scene.spring_phases import begin_spring, change_spring, pressed_on
 from bristle_sim.scene.system import GAP_ROUNDING, System
@@ -160,8 +160,6 @@ def begin_motion(system: System, given: Motion) -> Motion:
     if not (system.waiting or springs):
         system.stop(StopReason.EVENT)
         return Motion()
-    if system.mechanism.wires > 1:
-        given = _without_twins(system, given)
     ordered = given.ordered
     active = (*ordered, *springs)
     motion = Motion(active, given.separating)
@@ -200,26 +198,6 @@ def begin_motion(system: System, given: Motion) -> Motion:
     for event in motion.events:
         event.begin(start, system.noise)
     return motion
-
-
-def _without_twins(system: System, motion: Motion) -> Motion:
-    """Return the motion without those contacts that repeat a contact of the same two corners.
-
-    Two corners that touch are the contact point of several pairs of corner and segment. The contact
-    whose gap would otherwise close first lasts.
-    """
-    later = system.state.moved(MOMENT, [0.0] * len(system.state.rates))
-    contacts = [each for each in motion.contacts if each.pair.partner is not None]
-    contacts.sort(key=lambda each: system.closest(each.pair, later).gap)
-    twins = [
-        contact
-        for number, contact in enumerate(contacts)
-        if any(system.coincide(contact.pair, each.pair) for each in contacts[:number])
-    ]
-    if not twins:
-        return motion
-    staying = end_contacts(system, motion.contacts, twins, WirePair.name)
-    return Motion(staying, (*motion.separating, *(contact.pair for contact in twins)))
 
 
 def _closed_contacts(system: System, contacts: list[ActiveContact]) -> RigidContacts:

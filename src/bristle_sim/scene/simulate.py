@@ -324,15 +324,13 @@ def check_start(scene: Scene, tool: Tool, start: State) -> None:
     poses = scene.mechanism.poses(start)
     for pair in scene.effects.pairs:
         gap = pair.closest(poses, start.rates).gap
-        crosses = pair.partner is not None and pair.crosses(poses)
-        if gap >= -OVERLAP_ROUNDING and not crosses:
+        if gap >= -OVERLAP_ROUNDING:
             continue
         overlap = -gap * tool.bristle.length
         if pair.partner is not None:
-            words = "cross" if crosses else f"overlap by {overlap:.3g} m"
             raise ValueError(
                 f"pitch = {scene.mechanism.pitch:g}: must be one at which bristles are clear of each other at the start,"
-                f" these {words} (in rad)"
+                f" these overlap by {overlap:.3g} m (in rad)"
             )
         part = getattr(tool, pair.name)
         given = ", ".join(

@@ -272,20 +272,20 @@ class System:
             self.recording.stop_reason = reason
             self.recording.stop_detail = detail
 
-    def coincide(self, pair: ContactPair, other: ContactPair, state: State | None = None) -> bool:
-        """Return whether two pairs of corner and segment touch at the same two corners of wires.
+    def coincide(self, pair: ContactPair, others: Sequence[ContactPair], *states: State) -> bool:
+        """Return whether a pair touches at the same two corners of wires as one of ``others``.
 
-        ``state`` is by default the present state.
+        The result is true if it does so in one of ``states``.
         """
-        if pair.partner is None or other.partner is None:
-            return False
-        if {*self.wires_of(pair)} != {*self.wires_of(other)}:
-            return False
-        poses = self.mechanism.poses(state or self.state)
-        touch = self.closest(pair, state)
-        place = poses[pair.link].joint + touch.arm
-        apart = poses[other.link].joint + self.closest(other, state).arm - place
-        return abs(apart) <= SAME_PLACE + abs(touch.gap)
+        wires = {*self.wires_of(pair)}
+        for other in others if pair.partner is not None else ():
+            for state in states if wires == {*self.wires_of(other)} else ():
+                joints = [self.mechanism.poses(state)[each.link].joint for each in (pair, other)]
+                touch, second = (self.closest(each, state) for each in (pair, other))
+                apart = joints[0] + touch.arm - joints[1] - second.arm
+                if abs(apart) <= SAME_PLACE + abs(touch.gap):
+                    return True
+        return False
 
     def neighbour(self, pair: ContactPair, step: int) -> BarPair | None:
         """Return the pair of the bar and the neighbouring link of the same wire.

@@ -34,9 +34,8 @@ SHORTEST_ADVANCE = 1e-9
 """Shortest time, and shortest path, from the interval's start to a minimum of the gap, in engine
 units. A closer minimum is not distinct from the start."""
 
-LEAST_ADVANCE = (
-    1.0 / 8.0
-)  # least step of the search, as a fraction of the interval; slopes reveal a minimum within a step
+# Least step of the search, as a fraction of the interval. Slopes reveal a minimum within a step.
+LEAST_ADVANCE = 1.0 / 8.0
 # Least tolerance of the gap at a located touch, engine units: rounding error of an extrapolated
 # interval.
 GAP_TOLERANCE = 1e-13
@@ -45,13 +44,11 @@ LOCATED_GAP = 1e-6
 small because the error of the time is the gap divided by the approach speed, which may be small
 too."""
 
-OPENING = (
-    1.0 / 16.0
-)  # time in which the gap of a released pair must open, as a fraction of the sampling interval
+# Time in which the gap of a released pair must open, as a fraction of the sampling interval.
+OPENING = 1.0 / 16.0
 MOST_FASTER = 1.5
 """Ratio of a gap's opening velocity at the end of the time ``OPENING`` to that at the beginning.
-Above this ratio the gap may have closed in between, and the end of such a rebound is searched for.
-"""
+Above this ratio the gap may have closed in between; the end of such a rebound is searched for."""
 
 EARLIER = 0.7
 """Ratio of a trial time to the next later trial time in the search for an open gap that closes. In
@@ -94,7 +91,10 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
         if clearance <= 0.0:
             clearance = system.closest(pair).gap - path
         system.clearances[pair] = clearance
-        found = None if clearance > 0.0 else _touch(system, motion, interval, pair)
+        found = None
+        ends = (interval.start, interval.end.state)
+        if clearance <= 0.0 and not system.coincide(pair, sustained, *ends):
+            found = _touch(system, motion, interval, pair)
         if found is not None:
             interval, first = found
             changed = None
@@ -184,6 +184,7 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
     """
     length = interval.length
     closest = partial(system.closest, pair)
+    sustained = [contact.pair for contact in motion.contacts]
     error = polynomial_error(system, interval)
     begin = 0.0
     if pair in motion.separating:
@@ -213,13 +214,9 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
             return _search_hop(system, interval, pair, begin)
     else:
         times = (0.0, 0.5 * length, length)
-        sustained = [contact.pair for contact in motion.contacts]
         rests = sustained and all(
             abs(closest(interval.at(time)).gap) <= GAP_ROUNDING for time in times
         )
-        if pair.partner is not None:
-            end = interval.end.state
-            rests = rests or any(system.coincide(pair, each, end) for each in sustained)
         active = [*motion.separating, *sustained]
         behind = system.behind_joint(pair, active, interval.end.state)
         straight = len(system.mechanism.links[pair.link].corners) == 2
