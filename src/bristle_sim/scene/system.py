@@ -273,12 +273,12 @@ class System:
             self.recording.stop_detail = detail
 
     def coincide(self, pair: ContactPair, others: Sequence[ContactPair], *states: State) -> bool:
-        """Return whether a pair touches at the same two corners of wires as one of ``others``.
+        """Return whether a pair of two wires touches at the same two corners as one of ``others``.
 
         The result is true if it does so in one of ``states``.
         """
         wires = {*self.wires_of(pair)}
-        for other in others if pair.partner is not None else ():
+        for other in others:
             for state in states if wires == {*self.wires_of(other)} else ():
                 joints = [self.mechanism.poses(state)[each.link].joint for each in (pair, other)]
                 touch, second = (self.closest(each, state) for each in (pair, other))

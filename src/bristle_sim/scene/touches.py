@@ -93,7 +93,8 @@ def first_event(system: System, motion: Motion, interval: Interval) -> Found:
         system.clearances[pair] = clearance
         found = None
         ends = (interval.start, interval.end.state)
-        if clearance <= 0.0 and not system.coincide(pair, sustained, *ends):
+        alone = pair.partner is None
+        if clearance <= 0.0 and (alone or not system.coincide(pair, sustained, *ends)):
             found = _touch(system, motion, interval, pair)
         if found is not None:
             interval, first = found
