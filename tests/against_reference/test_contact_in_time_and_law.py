@@ -9,6 +9,7 @@ import pytest
 
 import bristle_sim as bs
 from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.spring import SHORTEST_SWING
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 
@@ -22,9 +23,10 @@ FLOOR = 2e-7  # twenty times the accuracy: two to a dozen phases, each located a
 
 LARGEST = 1e-3  # hundred times the angle that the rods turn by in the short contact; K varies by as much times their number
 
-SWINGING = 5e-3
-"""Bound where the tangential force swings to and fro between two frictions at the deepest point, up to a thousand times a contact.
-Their mean replaces faster swings, and a start or an end of one is a jump of the outcome by a part of a swing."""
+SWINGING = 0.5 * math.pi * SHORTEST_SWING
+"""Bound of the relative error of the impulse where the tangential force swings to and fro between two frictions at the deepest
+point. The mean replaces faster swings, and the outcome jumps by up to a swing's impulse: a thousandth of the contact's duration at
+the largest force, which is pi/2 times the mean one."""
 
 
 def random_strike(number: int) -> tuple[Chain, Surface, float]:
@@ -83,20 +85,21 @@ def test_chains_tend_to_the_law_in_proportion_to_the_duration(numbers: range) ->
         chain, surface, squared = random_strike(number)
         unit = 1.0 / max(map(abs, chain.rates))
         law = strike(chain, surface, Contact(tangential_compliance=squared), Settings()).contact
+        timed = [
+            strike(
+                chain,
+                surface,
+                Contact("compliant", duration * unit, squared),
+                Settings(accuracy=ACCURACY),
+            ).contact
+            for duration in (LONG, SHORT)
+        ]
         longer, shorter = (
-            np.abs(np.subtract(found.contact.rates_after, law.rates_after)).max() * unit
-            for found in (
-                strike(
-                    chain,
-                    surface,
-                    Contact("compliant", duration * unit, squared),
-                    Settings(accuracy=ACCURACY),
-                )
-                for duration in (LONG, SHORT)
-            )
+            np.abs(np.subtract(found.rates_after, law.rates_after)).max() * unit for found in timed
         )
         if squared and may_swing(chain, surface):
-            assert shorter < SWINGING, number
+            missed = np.hypot(*np.subtract(timed[1].impulse, law.impulse))
+            assert missed < SWINGING * np.hypot(*law.impulse), number
         else:
             assert shorter < min(0.13 * longer + FLOOR, LARGEST), number
 
