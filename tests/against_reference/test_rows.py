@@ -356,3 +356,10 @@ def test_wires_in_each_other_at_the_start_are_refused(pitch: float) -> None:
 def test_a_number_of_bristles_is_a_whole_one() -> None:
     with pytest.raises(ValueError, match=r"^bristles = 0.*: must be a whole number"):
         simulate_row(Tool(), bristles=0, pitch=0.3, **ELASTIC)
+
+
+def test_wires_without_thickness_are_refused() -> None:
+    """A gap that is a distance of centre lines never becomes negative, so no touch would be found."""
+    thin = Tool(bristle=Bristle(wire_diameter=0.0, mass=8.387e-5))
+    with pytest.raises(ValueError, match=r"^wire_diameter = 0: must be above 0"):
+        row(2, 10.0, thin)

@@ -304,8 +304,8 @@ def _hit(system: System, state: State, point: Point) -> State:
         compression=np.array([*compressive, *hit.compressive_work], dtype=float),
     )
     velocity = np.array([hit.velocity_normal, hit.velocity_tangential], dtype=float)
-    known = {"law": "energetic", "outcome": hit.outcome_name, "phases": hit.phases}
-    log.contact(contact, after, velocity, **known)
+    outcome = hit.outcome_name
+    log.contact(contact, after, velocity, law="energetic", outcome=outcome, phases=hit.phases)
     log.impacts.append((state, point))
     most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]

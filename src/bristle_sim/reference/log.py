@@ -171,7 +171,7 @@ class Log:
         size = len(self.records[0].chain.pieces.links)
         return [self.records[piece // size] for piece in self.pieces(point)]
 
-    def contact(self, each: Sustained, *known: Any, **named: Any) -> None:
+    def contact(self, each: Sustained, until: State, velocity: Array, **known: Any) -> None:
         """Record a contact or an impact of one or two wires; arguments as for ``Record.contact``."""
         records = self.of(each.point)
         links = self.records[0].chain.pieces.links
@@ -180,10 +180,11 @@ class Log:
         ):
             own.contact(
                 each,
-                *known,
+                until,
+                velocity,
                 link=int(links[piece % len(links)]) + 1 if own.chain.links > 1 else None,
                 neighbour=None if other is own else other.number + 1,
-                **named,
+                **known,
             )
 
     def sample(self, state: State, pushes: Iterable[tuple[Point, Array]]) -> None:

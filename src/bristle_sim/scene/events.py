@@ -265,7 +265,7 @@ def _bar_events(
 def _wire_events(system: System, contact: ActiveContact, pair: WirePair) -> Iterator[Event]:
     """Yield the events at which a corner slides over an end of the other wire's segment.
 
-    Of the pairs of two corners that touch, the one whose corner passes an end takes the contact.
+    Where two corners touch, the pair whose corner slides onto its segment takes over the contact.
     """
 
     def beyond(other: Any, at: IntervalResult) -> Any:

@@ -144,7 +144,7 @@ def simulate_row(
         the obstacle ``wire``. The normal of a record points to the trajectory's own bristle.
 
     Raises:
-        ValueError: as for ``simulate``, and if bristles overlap at the start.
+        ValueError: as for ``simulate``, and if bristles overlap at the start or have no thickness.
     """
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
     begin = (start_hub_angle, 0.0, 0.0)

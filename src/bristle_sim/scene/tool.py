@@ -220,7 +220,12 @@ def wire_pairs(
 
     The radius of the wires (engine units), their friction and their restitution are the same in all
     pairs.
+
+    Raises:
+        ValueError: if the wires have no thickness, so that no gap between them can close.
     """
+    if not wire_radius:
+        raise ValueError("wire_diameter = 0: must be above 0, or no wires touch each other (in m)")
     size = mechanism.wire_links
     for (link, own), (partner, other) in itertools.permutations(enumerate(mechanism.links), 2):
         if link // size != partner // size:

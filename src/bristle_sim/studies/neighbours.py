@@ -106,8 +106,6 @@ def neighbours(
         raise ValueError(
             "hub_speed = 0: must be above 0, or the bristles do not follow one another (in rad/s)"
         )
-    if not tool.bristle.wire_diameter:
-        raise ValueError("wire_diameter = 0: must be above 0, or no wires touch each other (in m)")
     roots = root_pitch(tool)
     if not roots < row.pitch_deg < (360.0 - roots) / (row.bristles - 1):
         raise ValueError(
