@@ -11,6 +11,7 @@ from bristle_sim.parameters import Contact, Hub, Tool
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.interpolation import integral
 from bristle_sim.trajectory.records import SAMPLED
 from swinging_bristle import AMPLITUDE, FREQUENCY, HUB_START, STRIKE, make_trajectory, swing
 
@@ -168,6 +169,14 @@ def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
     np.testing.assert_allclose(
         -depth, history.penetration[inside], rtol=0.0, atol=1e-6 * history.penetration.max()
     )
+
+
+def test_three_samples_an_instant_apart_have_the_integral_of_a_parabola():
+    """Three samples of 2 + s - 6 s^2, with s in 1e-18 s: the integral is 2 s + s^2/2 - 2 s^3."""
+    s = np.array([0.0, 1.0, 4.0])
+    expected = 2.0 * s + 0.5 * s**2 - 2.0 * s**3
+    found = integral(1e-18 * s, 2.0 + s - 6.0 * s**2)
+    assert found == pytest.approx(1e-18 * expected, rel=1e-14, abs=0.0)
 
 
 @pytest.mark.parametrize(

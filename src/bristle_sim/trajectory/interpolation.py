@@ -66,8 +66,6 @@ class Interpolation:
     """
 
     def __init__(self, run: Motion, contacts: Sequence[ContactRecord]) -> None:
-        from scipy.interpolate import CubicSpline
-
         self.run = run
         places = (run.angles, run.centre_line)
         slopes = (run.rates, run.centre_line_velocity)
@@ -95,7 +93,7 @@ class Interpolation:
             if not any(each.time < middle < each.time + each.duration for each in lasting):
                 # no force in flight, even if the contact before or after it has one
                 values[:, 0] = 0.0
-            splines.append(CubicSpline(run.time[first : last + 1], values))
+            splines.append(_spline(run.time[first : last + 1], values))
         self._scalars = _joined(splines)
 
     def __call__(self, time: ArrayLike, side: str = "after") -> Motion:
@@ -281,15 +279,23 @@ def cubics(*samples: Array) -> PPoly:
     Args:
         samples: times, shape (n,); values, shape (n, ...); and, if known, slopes, shape (n, ...).
     """
+    pieces = smooth_pieces(samples[0])
+    return _joined([_spline(*(each[a : b + 1] for each in samples)) for a, b in pieces])
+
+
+def _spline(time: Array, values: Array, *slopes: Array) -> PPoly:
+    """Return the cubic spline through samples of a smooth function, with its slopes if given.
+
+    Through three samples the spline is a parabola. Its slopes at the samples are computed here,
+    because the equations that SciPy solves for three samples are ill-conditioned where the samples
+    are less than 1e-16 s apart.
+    """
     from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-    kind = CubicHermiteSpline if len(samples) > 2 else CubicSpline
-    return _joined(
-        [
-            kind(*(each[first : last + 1] for each in samples))
-            for first, last in smooth_pieces(samples[0])
-        ]
-    )
+    if slopes or len(time) == 3:
+        slopes = slopes or (np.gradient(values, time, axis=0, edge_order=2),)
+        return CubicHermiteSpline(time, values, *slopes)
+    return CubicSpline(time, values)
 
 
 def integral(time: Array, values: Array) -> Array:
