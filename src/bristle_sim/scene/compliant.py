@@ -132,7 +132,7 @@ class CompliantLaw(ContactLaw):
             depth = max(depth, press / (self.stiffness * point.inverse_mass[0][0]))
         if depth < LEAST_DEPTH:
             return None
-        if self.stiffness is None and scene.effects.hinge[0]:
+        if self.stiffness is None and self.finite_duration and scene.effects.hinge[0]:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
         # The stiffness is a property of the surface, so later touches have the same stiffness. In
         # the rigid-body limit each touch of a single link has its own stiffness, which determines
