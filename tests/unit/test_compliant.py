@@ -7,12 +7,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Contact, Surface
+from bristle_sim.parameters import Contact, Surface, Tool
+from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact import Sums
 from bristle_sim.scene.events import Kind, contact_events
 from bristle_sim.scene.extrapolation import Extrapolation, IntervalResult
 from bristle_sim.scene.impacts import ContactLaw
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, build_strike, strike, struck
 from bristle_sim.scene.system import Plan, System
 from bristle_sim.settings import Settings
@@ -198,6 +200,44 @@ def test_rods_of_very_different_masses_follow_the_rigid_body_law(ratio: float) -
     found = strike(chain, surface, Contact("compliant"), Settings()).contact
     # Ten times the accuracy of 1e-6, in units of the fastest rate.
     assert found.rates_after == pytest.approx(limit.rates_after, rel=0.0, abs=1e-5 * 0.2)
+
+
+@pytest.mark.parametrize(("speed", "restitution"), [(262.0, 0.4), (120.0, 0.1)])
+def test_a_tip_comes_to_rest_by_the_rebounds_of_the_rigid_body_law(
+    speed: float, restitution: float
+) -> None:
+    """Every rebound leaves a dent, shallower than the accuracy; hops of a few microseconds follow, which the dent must not hold."""
+    tool = Tool().replace(
+        hub_speed=speed,
+        restitution=restitution,
+        friction=0.0,
+        belt_damping_ratio=0.3,
+        contact="compliant",
+    )
+    runs = (simulate(tool, Settings(accuracy=1e-6)), simulate_reference(tool, accuracy=1e-8))
+    found, expected = (
+        sum(each.impulse[0] for each in run.contacts if each.obstacle == "workpart") for run in runs
+    )
+    assert found == pytest.approx(expected, rel=1e-5)  # ten times the accuracy
+
+
+def test_a_wire_that_strikes_almost_end_on_tends_to_the_rigid_body_law() -> None:
+    """Two links in line but for 2 mrad push 5000 times harder than a rigid wire; the contact is as short as the rigid wire's.
+
+    It turns the links meanwhile, by its duration, which follows the accuracy.
+    """
+    tool = Tool().replace(wire_links=2, wire_damping_ratio=0.02, hub_speed=150.0)
+
+    def impulse(law: str, accuracy: float) -> float:
+        run = simulate(tool.replace(contact=law), Settings(accuracy=accuracy), stop_after="strike")
+        (struck,) = (each for each in run.contacts if each.obstacle == "workpart")
+        assert struck.outcome == "rebound"
+        return struck.impulse[0]
+
+    limit = impulse("energetic", 1e-5)
+    apart = [abs(impulse("compliant", each) / limit - 1.0) for each in (1e-4, 1e-5)]
+    assert apart[0] < 0.2
+    assert apart[1] == pytest.approx(0.1 * apart[0], rel=0.5)
 
 
 class TestCompliantRefusals:

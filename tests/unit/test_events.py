@@ -195,6 +195,15 @@ class TestFirstChange:
         else:
             assert abs(force(reached.end)) <= 1e-6
 
+    def test_a_force_that_is_zero_at_the_start_vanishes_there(self) -> None:
+        """Its estimated zero is so early that an interval which ends before it has no length."""
+        plan = SimpleNamespace(time_scale=1.0, accuracy=1e-3)
+        system: Any = SimpleNamespace(plan=plan, stepper=SimpleNamespace(noise=1e-4))
+        slips = Event(Kind.BREAKS_AWAY, None, lambda at: -at.state.time, noise=1e-10, sign=1.0)
+        reached, event = first_change(system, [slips], interval())
+        assert event is slips
+        assert reached.length < 1e-8
+
     @pytest.mark.parametrize(
         ("direction", "sign", "value", "kept"),
         [

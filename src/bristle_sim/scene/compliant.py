@@ -51,6 +51,11 @@ thirty intervals add up to the accuracy."""
 # contact rounding error decides when the contact ends, and the rigid-body law is more accurate.
 LEAST_DEPTH = 1e-13
 
+SLOWEST = 100.0
+"""Least rebound speed of a contact in the rigid-body limit, as a multiple of the velocity error
+permitted in an interval. In a slower contact the error decides how the contact ends, and the
+rigid-body law is more accurate."""
+
 SAMPLES_OF_A_COURSE = 24
 """Least number of samples of a contact's force history, which are joined by straight lines in a
 drawing. Samples are taken at the end and in the middle of each interval. With e* = 0.42 seven of
@@ -145,11 +150,12 @@ class CompliantLaw(ContactLaw):
             rigid = impact_at(point, velocity, pair, compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
-        # The lightest link has the moment of inertia 1/3. At a normal velocity v its angular
-        # velocity is v/sqrt(K_nn/3).
-        turning = rounding * max(1.0, math.sqrt(3.0 / normal))
+        # Changes of the links' angular velocities when the normal velocity changes by 1.
+        turning = rounding * max(1.0, *(abs(each) / normal for each in point.response[0]))
         least = turning * FORCE_ROUNDING / (duration * unloading)
-        tolerance = max(CONTACT_FRACTION * self.accuracy, least)
+        tolerance = fastest * max(CONTACT_FRACTION * self.accuracy, least)
+        if not self.finite_duration and -approach * unloading < SLOWEST * tolerance:
+            return None
         law = ContactSpring(
             stiffness, restitution, pair.friction, pair.restitution_friction, compliance
         )
@@ -158,7 +164,7 @@ class CompliantLaw(ContactLaw):
             pair=pair,
             duration=duration,
             predicted=rigid.outcome_name,
-            stepper=Extrapolation(tolerance * fastest, longest),
+            stepper=Extrapolation(tolerance, longest),
             surface=touch.gap,
             inverse_mass=point.inverse_mass,
             start=state,

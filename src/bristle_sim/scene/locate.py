@@ -116,7 +116,7 @@ def first_change(
             # A force's zero is located in a short interval that begins before it.
             left, right = ends
             zero = part.length * left / (left - right)
-            part = part.up_to(part.integrate_to(BEFORE_ZERO * zero))
+            part = part.up_to(part.integrate_to(max(BEFORE_ZERO * zero, 0.5 * longest)))
             ends = _change(event, part)
             if ends is None:
                 interval = part

@@ -272,7 +272,7 @@ def _after_spring_event(
         _add_limit_error(system, spring)
     staying = end_contacts(system, motion.contacts, [spring], outcome)
     gap = system.closest(pair).gap
-    if gap < -system.plan.accuracy:
+    if gap < -GAP_ROUNDING:
         # The tip remains in a dent. The bottom of the dent is the surface from here on.
         ground = replace(pair, dent=pair.dent - gap)
         system.pairs[system.pairs.index(pair)] = ground
