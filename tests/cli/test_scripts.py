@@ -623,13 +623,17 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
 def test_the_independent_solution_agrees(name: str):
     """Every quantity that the simulation knows, the reference knows too, and they agree to the requested accuracy.
 
-    Two scripts, whose independent solution searches a direction or a pitch pass after pass, are left to the night.
+    Least pitches have a referee of their own: the theory, which is the motion of one bristle alone. Two scripts, whose independent
+    solution takes long, are left to the night.
     """
     harder = ["--set", "pitch_deg=10"] if name == "neighbours" else []  # wires that stay in contact
     status, _, found = asked(name, "--set", "reference=yes", *harder)
     assert status == 0
     referred = [
-        row for row in found["quantities"] if row["name"] in PROMISES[name].quantities.split()
+        row
+        for row in found["quantities"]
+        if row["name"] in PROMISES[name].quantities.split()
+        and not row["name"].startswith("least_pitch")
     ]
     assert all(row["reference"] is not None and row["ok"] is True for row in referred)
     # The tolerance of a well-conditioned quantity is of the order of the accuracy, 1e-6.

@@ -46,13 +46,27 @@ def test_the_same_as_a_march_in_time(size: int, most_steps: int) -> None:
 def test_a_nearly_singular_K_goes_through_as_many_phases_as_a_march() -> None:
     """As above, through up to a thousand phases; the march's error grows with their number, to some 1e-10.
 
+    The law is as close as rounding permits: closer than laws whose arguments differ by a rounding error, which are up to 1e-7 apart.
     Every seventh impact takes the march more than 20,000 steps.
     """
     impacts = nearly_singular_impacts(1, 300)
+    law = impulse_and_velocity(energetic_impact(**impacts))
     found, _ = marched(impacts, 20_000, 4000)
-    apart = differences(impulse_and_velocity(energetic_impact(**impacts)), found)
+    apart = differences(law, found)
     assert np.isfinite(apart).sum() > 0.8 * 300
-    assert np.nanmax(apart) < 1e-9, np.argsort(np.nan_to_num(apart))[-5:]
+    rng = np.random.default_rng(0)
+    permitted = np.full(300, 1e-10)
+    for _ in range(4):
+        rounded = {
+            key: each * (1.0 + np.spacing(1.0) * rng.choice([-1.0, 1.0], each.shape))
+            for key, each in impacts.items()
+        }
+        rounded["inverse_mass"][:, 1, 0] = rounded["inverse_mass"][:, 0, 1]
+        rounded["restitution_friction"] = rounded["friction"]
+        other = impulse_and_velocity(energetic_impact(**rounded))
+        permitted = np.maximum(permitted, differences(other, law))
+    excess = np.nan_to_num(apart / permitted)
+    assert excess.max() < 1.0, np.argsort(excess)[-5:]
 
 
 @pytest.mark.parametrize("determinant", [1e-3, 1e-5, pytest.param(2e-6, marks=pytest.mark.nightly)])
