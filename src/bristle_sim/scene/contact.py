@@ -67,6 +67,31 @@ def sums_of(totals: Sequence[float], index: int) -> Sums:
     return Sums(*totals[NUMBERS * index : NUMBERS * (index + 1)])
 
 
+def force_within(part: float, first: float, last: float, mean: float) -> float:
+    """Return a force at the fraction ``part`` of an interval, from its two end values and its mean.
+
+    The three determine the parabola F = F_0 + s (F_1 - F_0) - s (1 - s) (3 (F_0 + F_1) - 6 F_m).
+    """
+    return first + part * (last - first) - part * (1.0 - part) * (3.0 * (first + last) - 6.0 * mean)
+
+
+def forces_within(
+    first: Sequence[float], last: Sequence[float], length: float, part: float
+) -> tuple[float, ...]:
+    """Return the forces of all contacts at the fraction ``part`` of an interval, in order as ``Sums``.
+
+    ``first`` and ``last`` are the totals at the interval's two ends. The result is empty if those
+    at the beginning are unknown.
+    """
+    found = list[float]()
+    for index in range(len(first) // NUMBERS):
+        a, b = sums_of(first, index), sums_of(last, index)
+        means = (b.impulse_normal / length, b.impulse_tangential / length)
+        normal = force_within(part, a.normal, b.normal, means[0])
+        found += Sums(normal, force_within(part, a.tangential, b.tangential, means[1]))
+    return tuple(found)
+
+
 class Outcome(StrEnum):
     """The ways in which a contact can end.
 

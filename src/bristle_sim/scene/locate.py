@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from bristle_sim.scene.contact import forces_within
 from bristle_sim.scene.events import BEGINS_POSITIVE, DIFFERENCES, ROUNDED_TOLERANCES, TURNS, Event
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.mechanism import Curve, State
@@ -38,12 +39,10 @@ BEFORE_ZERO = 0.95
 """Beginning of the shorter interval in which a force's zero is located, as a fraction of the time
 to the zero. This time is estimated by linear interpolation of the force in the longer interval."""
 
-# Least time of an extreme, as a fraction of the interval. The function hardly changes before it, so
-# an earlier extreme is ignored.
+# Least time of an extreme, as a fraction of the interval; an earlier extreme is ignored.
 EARLIEST_EXTREME = 0.01
 
-# Rounding error of the time, divided by (1 + time at the interval's end). An event within this time
-# after an interval's start counts as at the start.
+# Rounding error of the time, divided by (1 + time at the interval's end)
 ONE_INSTANT = 1e-15
 
 
@@ -82,10 +81,6 @@ class Interval:
             self._curve = self._curve or Curve(self.start, self.end.middle, self.end.state)
             self._known[time] = self._curve.at(time)
         return self._known[time]
-
-    def estimate(self, time: float) -> IntervalResult:
-        """Return a result that contains only the interpolated state at a time after the start."""
-        return IntervalResult(self.at(time))
 
     def up_to(self, end: IntervalResult) -> Interval:
         """Return the interval shortened to an earlier end.
@@ -163,7 +158,7 @@ def _zero(
         time = interval.length
         while begin == 0.0 and time > interval.instant:
             time *= 0.5
-            at_time = value(interval.estimate(time))
+            at_time = value(IntervalResult(interval.at(time)))
             if math.isnan(at_time):
                 at_time = value(integrate_to(time))
             if at_time > tolerance:
@@ -175,8 +170,7 @@ def _zero(
     time = max(locate(value, integrate_to, *ends, tolerance), interval.instant)
     back = 1e-12
     while (result := integrate_to(time)).failed and back < 1.0:
-        # Beyond the release the contact would have to pull, and the integration fails. An interval
-        # that ends just before the release is accurate.
+        # Beyond the release the contact would have to pull; the result just before it is accurate.
         time = time * (1.0 - back)
         back = 10.0 * back
     return result
@@ -186,13 +180,19 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """Return the interval shortened so that it ends at an extreme of the event's value.
 
     If the value changes sign twice, the shortened interval contains the first change only. The
-    extreme is estimated by a parabola through the least (or greatest) of five values and its two
-    neighbours. The interval is shortened only if the extreme is beyond zero or close to zero.
+    extreme is that of a parabola through the least (or greatest) of five values and its neighbours.
+    The interval is shortened only if the extreme is beyond zero or close to zero.
     """
     sense = -float(event.direction)
     length = interval.length
-    results = [interval.estimate(part * length) for part in (0.0, 0.25, 0.5, 0.75)]
-    values = [sense * event.at(result) for result in (*results, interval.end)]
+    values = []
+    for part in (0.0, 0.25, 0.5, 0.75):
+        result = IntervalResult(interval.at(part * length))
+        if event.kind in DIFFERENCES:
+            forces = forces_within(interval.first.totals, interval.end.totals, length, part)
+            result = result._replace(totals=forces)
+        values.append(sense * event.value(result))
+    values.append(sense * event.at(interval.end))
     if math.isnan(sum(values)) or values[-1] < 0.0:
         return interval
     least = min(max(values.index(min(values)), 1), 3)
@@ -205,8 +205,7 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     return interval.up_to(interval.integrate_to(at * length))
 
 
-MOST_GUESSES = 4
-"""Largest number of guesses of the time of one event. One or two locate it to rounding error."""
+MOST_GUESSES = 4  # largest number of guesses of the time of an event; one or two usually suffice
 
 MOST_SECANTS = 3  # largest number of secant steps from one guess
 
@@ -246,12 +245,13 @@ def settle(
         first, last: times between which the zero is sought, measured from the interval's start.
         tolerance: largest magnitude of the function that counts as zero.
     """
-    left = value(interval.estimate(first))
-    right = value(interval.estimate(last))
+    left = value(IntervalResult(interval.at(first)))
+    right = value(IntervalResult(interval.at(last)))
     if not left * right < 0.0:  # NaN where the state does not determine the function
         return None
     rounding = GUESS_TOLERANCE * max(abs(left), abs(right))
-    near = locate(value, interval.estimate, first, last, left, right, rounding)
+    ends = (first, last, left, right)
+    near = locate(value, lambda time: IntervalResult(interval.at(time)), *ends, rounding)
     longest = MOST_MOVED * system.plan.time_scale * math.sqrt(system.stepper.noise)
     span = SLOPE_SPAN * interval.length
     for trial in range(MOST_GUESSES):

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from bristle_sim.scene.contact import ActiveContact, RigidContacts, sums_of
+from bristle_sim.scene.contact import ActiveContact, RigidContacts, force_within, sums_of
 from bristle_sim.scene.events import Event, Happening, Kind
 from bristle_sim.scene.extrapolation import IntervalResult, SpringForce
 from bristle_sim.scene.locate import Interval
@@ -276,8 +276,8 @@ def accept(system: System, motion: Motion, interval: Interval) -> None:
 def _add(system: System, motion: Motion, interval: Interval) -> None:
     """Add the contacts' impulses and work in an interval, and record samples with their forces.
 
-    A force at an inner instant of the interval is that of the parabola that agrees with the forces
-    at both ends and with the impulse. The normal force of a spring follows from its penetration.
+    The normal force of a spring at an inner instant of the interval follows from its penetration;
+    other forces are those of ``force_within``.
     """
     motion.release_in = math.inf
     length = interval.length
@@ -306,8 +306,7 @@ def _add(system: System, motion: Motion, interval: Interval) -> None:
     for part, state in (*instants, (1.0, system.state)):
         forces = {}
         for contact, (first, last, mean) in courses.items():
-            bend = 3.0 * (first + last) - 6.0 * mean
-            force = first + part * (last - first) - part * (1.0 - part) * bend
+            force = force_within(part, first, last, mean)
             if isinstance(contact, SpringContact):
                 contact.stick_force = force
                 force = contact.sample(system.closest, state)
