@@ -102,7 +102,7 @@ class Record:
             if name.split()[0] in obstacles and not self.times(absence):
                 self.event(name, states[-1].time)
         # Of the extremes of the retraction up to the strike only the largest one is kept, and of equal
-        # ones the first.
+        # ones the first; and one that has ended the run.
         strike = min(self.times(STRIKE), default=math.inf)
         reached = [state for state in states if state.time <= strike]
         turns = self.times(LARGEST_RETRACTION)
@@ -111,7 +111,8 @@ class Record:
         lowest = min(sizes.values())
         equal = (time for time, size in sizes.items() if size <= lowest + EQUAL)
         largest = next(equal) if lowest < 0.0 else math.nan
-        kept = [e for e in self.events if e.name != LARGEST_RETRACTION or e.time == largest]
+        known = (largest, states[-1].time if run["stop_reason"] is StopReason.EVENT else largest)
+        kept = [e for e in self.events if e.name != LARGEST_RETRACTION or e.time in known]
         time, angles, rates = map(np.array, zip(*map(self.own, states), strict=True))
         corners, velocities = self.chain.centre_line(time, angles, rates)
         kinetic, potential = self.chain.energies(time, angles, rates)

@@ -92,14 +92,11 @@ def tool_units(tool: Tool) -> Units:
     hub's angular velocity, or of the bristle's natural angular frequency under belt, centrifugal
     force and gravity if that frequency is larger.
     """
-    stiffness = tool.belt.stiffness + tool.bristle.mass * (
-        tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2
-        + tool.gravity * tool.bristle.length
-    )
-    rate = max(math.sqrt(stiffness / tool.bristle.inertia_about_root), tool.hub.speed)
-    return Units(
-        tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate > SLOWEST_MOTION else 1.0
-    )
+    bristle = tool.bristle
+    field = tool.hub.radius * tool.hub.speed**2 + tool.gravity
+    stiffness = tool.belt.stiffness + bristle.mass * math.hypot(*bristle.centre) * field
+    rate = max(math.sqrt(stiffness / bristle.inertia_about_root), tool.hub.speed)
+    return Units(bristle.length, bristle.mass, 1.0 / rate if rate > SLOWEST_MOTION else 1.0)
 
 
 def build_tool(
