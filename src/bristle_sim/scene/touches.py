@@ -196,10 +196,16 @@ def _touch(system: System, motion: Motion, interval: Interval, pair: ContactPair
         leaves = closest(interval.start).velocity[0]
         if leaves * within > GAP_ROUNDING and opening.velocity[0] > MOST_FASTER * leaves:
             following, time, touch = within, within, opening
-            while leaves * time > GAP_ROUNDING and (touch.gap < 0.0 or touch.velocity[0] > 0.0):
+            # After a contact with a spring the wire is still in its dent, which is not a tap.
+            taps = system.law_of(pair).instantaneous
+            while (
+                taps
+                and leaves * time > GAP_ROUNDING
+                and (touch.gap < 0.0 or touch.velocity[0] > 0.0)
+            ):
                 following, time = time, EARLIER * time
                 touch = closest(interval.at(time))
-            ends = (time / length, following / length)
+            ends = (time / length, following / length) if taps else (0.0, within / length)
             dip = first_touch(system.mechanism, closest, interval, error, *ends)
             if dip is not None:
                 return _search_hop(system, interval, pair, dip * length)
