@@ -124,7 +124,10 @@ def test_a_tool(seed: int, bar: bool) -> None:
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-6])
 @pytest.mark.parametrize("seed", [9, 13, 19])
 def test_a_release_is_located_in_a_short_interval(seed: int, accuracy: float) -> None:
-    """A lone bristle in contact is where the geometry puts it: only the force's error moves the release, some 1e-9 of a time unit."""
+    """A lone bristle in contact is where the geometry puts it: only the force's error moves the release, by a hundredth of the accuracy.
+
+    The interval in which it is located is so short that an extrapolated force is good to some 1e-8.
+    """
     tool = tool_of(seed, bar=True)
     own = simulate(tool, Settings(accuracy=accuracy))
     other = simulate_reference(tool, accuracy=1e-11)
@@ -132,7 +135,7 @@ def test_a_release_is_located_in_a_short_interval(seed: int, accuracy: float) ->
     expected = other.event_time("bar release")
     assert release is not None
     assert expected is not None
-    assert abs(release - expected) < 1e-7 * tool_units(tool).time
+    assert abs(release - expected) < (0.01 * accuracy + 1e-7) * tool_units(tool).time
 
 
 @pytest.mark.parametrize(("seed", "bar"), [(10, False), (9, True), (18, True)])

@@ -98,7 +98,12 @@ BEGINS_POSITIVE = SPRING_KINDS - {Kind.OVERDUE, Kind.BALANCED} | {
 """Kinds whose value is positive at the beginning of a motion, or rises from zero there. The
 decision after the previous event chooses the new motion accordingly."""
 
-TURNS = SPRING_KINDS - {Kind.OVERDUE} | {Kind.DENT_LEFT, Kind.SLIP_STOPS, Kind.BREAKS_AWAY}
+TURNS = SPRING_KINDS - {Kind.OVERDUE} | {
+    Kind.DENT_LEFT,
+    Kind.SLIP_STOPS,
+    Kind.BREAKS_AWAY,
+    Kind.RETRACTION_LIMIT,
+}
 """Kinds whose value may change sign twice within an interval."""
 
 DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY})

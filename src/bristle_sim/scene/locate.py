@@ -111,7 +111,7 @@ def first_change(
             # A force's zero is located in a short interval that begins before it.
             left, right = ends
             zero = part.length * left / (left - right)
-            part = part.up_to(part.integrate_to(max(BEFORE_ZERO * zero, 0.5 * longest)))
+            part = part.up_to(part.integrate_to(max(BEFORE_ZERO * zero, 1e-3 * longest)))
             ends = _change(event, part)
             if ends is None:
                 interval = part
@@ -185,6 +185,9 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
     """
     sense = -float(event.direction)
     length = interval.length
+    last = sense * event.at(interval.end)
+    if not last >= 0.0:  # also where it is NaN
+        return interval
     values = []
     for part in (0.0, 0.25, 0.5, 0.75):
         result = IntervalResult(interval.at(part * length))
@@ -192,9 +195,9 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
             forces = forces_within(interval.first.totals, interval.end.totals, length, part)
             result = result._replace(totals=forces)
         values.append(sense * event.value(result))
-    values.append(sense * event.at(interval.end))
-    if math.isnan(sum(values)) or values[-1] < 0.0:
+    if math.isnan(sum(values)):
         return interval
+    values.append(last)
     least = min(max(values.index(min(values)), 1), 3)
     before, middle, after = values[least - 1 : least + 2]
     bend = before + after - 2.0 * middle
@@ -208,7 +211,6 @@ def _to_the_extreme(event: Event, interval: Interval) -> Interval:
 MOST_GUESSES = 4  # largest number of guesses of the time of an event; one or two usually suffice
 
 MOST_SECANTS = 3  # largest number of secant steps from one guess
-
 # Time difference for the slope of the first secant step, as a fraction of the interval.
 SLOPE_SPAN = 1e-4
 # Tolerance of a root of the interpolating polynomial, as a fraction of the larger of the values at
@@ -283,9 +285,7 @@ def settle(
 # Shortest bracket of a root, as a time in engine units and as a fraction of the searched interval.
 SHORTEST_BRACKET = 1e-15
 SHORTEST_BRACKET_FRACTION = 1e-12  # the smaller of the two applies
-MOST_TRIALS = 110
-"""Largest number of evaluations. A smooth function needs three to six. A jump needs bisections down
-to the last digit of a double."""
+MOST_TRIALS = 110  # largest number of evaluations; a jump needs bisections to the last digit
 
 # Least distance of a trial from the ends of the bracket, as a fraction of the bracket's length, in
 # the first trial and in later trials. It is needed where the value at an end is rounding error.

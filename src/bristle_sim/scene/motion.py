@@ -20,6 +20,11 @@ from bristle_sim.settings import StopReason
 # angle from the radial direction at which a bristle lies on the hub, rad
 RETRACTION_LIMIT = math.pi / 2.0
 
+FAR_FROM_THE_HUB = 1.0
+"""Angle from the radial direction, at an interval's end, up to which a bristle does not lie on the
+hub within the interval. In an interval of a radian it swings past both ends by at most 1 - cos(1/2)
+of its amplitude, 0.2 rad."""
+
 LONGEST_TURN = 1.0
 """Longest interval, in radians of the fastest motion. The value of each event changes sign at most
 once in it, and the cubic polynomial through the states at its ends has an error of at most 1/384 of
@@ -119,9 +124,12 @@ def motion_events(system: System, contacts: Sequence[ActiveContact]) -> Iterator
         return (moment + own.mass * carried) / own.inertia_about_joint
 
     def left(link: int, at: IntervalResult) -> float:
-        """Return the angle (rad) that is left until a wire's first link lies on the hub."""
-        turned = at.state.angles[link] - mechanism.root_angle(at.state.time, link)
-        return RETRACTION_LIMIT - abs(turned)
+        """Return the angle (rad) that is left until a wire's first link lies on the hub.
+
+        It is NaN where it is too large for the link to lie on the hub within the interval.
+        """
+        turned = abs(at.state.angles[link] - mechanism.root_angle(at.state.time, link))
+        return RETRACTION_LIMIT - turned if turned > FAR_FROM_THE_HUB else math.nan
 
     def gap(pair: ContactPair, at: IntervalResult) -> float:
         return system.closest(pair, at.state).gap

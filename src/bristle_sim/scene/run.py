@@ -272,8 +272,10 @@ def _after_spring_event(
         _add_limit_error(system, spring)
     staying = end_contacts(system, motion.contacts, [spring], outcome)
     gap = system.closest(pair).gap
-    if gap < -GAP_ROUNDING:
-        # The tip remains in a dent. The bottom of the dent is the surface from here on.
+    least = system.plan.accuracy if system.law.finite_duration else GAP_ROUNDING
+    if gap < -least:
+        # The tip remains in a dent. The bottom of the dent is the surface from here on. With a given
+        # duration, a tip in a dent shallower than the accuracy would sink by many small contacts.
         ground = replace(pair, dent=pair.dent - gap)
         system.pairs[system.pairs.index(pair)] = ground
         pair = ground

@@ -148,7 +148,7 @@ def _search_hop(
         and system.law_of(pair).instantaneous
         and -system.plan.accuracy <= gap < 0.0
     )
-    if low:
+    if low or at_start < -GAP_ROUNDING:
         end = interval.end if instant == length else integrate_to(instant)
         return interval.up_to(end), Happening(Kind.REST, pair)
     time = length
