@@ -30,8 +30,7 @@ from bristle_sim.scene.system import System
 # Least compliance of a slipping contact, as a fraction of the compliance of a free link. Below it
 # the link jams, because the force that keeps the contact closed grows without bound.
 LEAST_COMPLIANCE_IN_SLIP = 1e-3
-# The same fraction for a single link. It is smaller, because the geometry alone determines the
-# link's motion.
+# The same fraction for a single link, whose motion the geometry alone determines
 LEAST_OF_SINGLE_LINK = 1e-6
 PLACE_ROUNDING = 4e-16  # rounding error of a tip's position, in engine units
 LOCATED_VELOCITY = 0.1
@@ -107,8 +106,7 @@ TURNS = SPRING_KINDS - {Kind.OVERDUE} | {
 """Kinds whose value may change sign twice within an interval."""
 
 DIFFERENCES = frozenset({Kind.RELEASE, Kind.BREAKS_AWAY})
-"""Kinds whose value is a force. A force is computed from the change of an angular velocity in one
-step, so it has the rounding error of this difference."""
+"""Kinds whose value is a force, with the rounding error of a difference of angular velocities."""
 
 
 @dataclass(slots=True, eq=False)
@@ -316,14 +314,11 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
             force = spring.law.tangential_force(system.along(pair, at.state), spring.foot)
         return spring.spare_friction(depth(at), force) / (spring.law.stiffness * duration)
 
-    def left(at: IntervalResult) -> float:
-        """Return the time until the contact is too long for an impact, in contact durations."""
-        return OVERDUE_DURATIONS - (at.state.time - spring.start.time) / duration
-
     falls = partial(Event, subject=spring, tolerance=tolerance)
     # A contact in the rigid-body limit that other forces press on would not end without this event.
     if system.follows_law:
-        yield falls(Kind.OVERDUE, value=left)
+        end = spring.start.time + OVERDUE_DURATIONS * duration
+        yield falls(Kind.OVERDUE, value=lambda at: (end - at.state.time) / duration)
     # The depth below the earlier maximum rises from zero and may fall back at once: only values
     # within the rounding error of a position count as zero.
     at_deepest = min(tolerance, PLACE_ROUNDING / duration)
@@ -336,8 +331,7 @@ def _spring_events(system: System, spring: SpringContact, index: int) -> Iterato
     if deepest is None:
         yield falls(Kind.COMPRESSION_ENDS, value=lambda at: -touch(at.state).velocity[0])
     else:
-        residual = spring.law.residual
-        yield falls(Kind.UNLOADED, value=lambda at: (depth(at) - residual) / duration)
+        yield falls(Kind.UNLOADED, value=lambda at: (depth(at) - spring.law.residual) / duration)
         yield falls(
             Kind.PRESSED_ON,
             value=lambda at: (deepest - depth(at)) / duration,
