@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact import Outcome, Sums, sums_of
-from bristle_sim.scene.events import PLACE_ROUNDING, ROUNDED_TOLERANCES, Kind
+from bristle_sim.scene.events import Kind
 from bristle_sim.scene.extrapolation import IntervalResult
 from bristle_sim.scene.motion import Motion
 from bristle_sim.scene.pairs import ContactPair
@@ -25,8 +25,11 @@ end at the same instant, except for the effect of its motion during the contact.
 LEAST_UNLOADING = 1e-5
 """Fraction of the unloading that remains when slip starts or stops, below which the contact ends.
 Only 1e-10 of the impulse then remains, and the force is so small that rounding error of the tip's
-position would start and stop slip endlessly. A contact ends, too, where no more remains than
-``ROUNDED_TOLERANCES`` rounding errors of the position."""
+position would start and stop slip endlessly."""
+
+LEAST_REMAINDER = 1e-14
+"""Remaining unloading (engine units) below which the contact ends likewise. The position of the tip
+of a wire of links has rounding errors of this order."""
 
 PROBED_FRACTION = 0.02
 """Length of the trial interval from which the force in stick is computed when slip stops, as a
@@ -105,8 +108,7 @@ def change_spring(
     # ended early.
     law = spring.law
     quiet = not law.loading and (system.mechanism.single_link or system.follows_law)
-    least = LEAST_UNLOADING * ((law.deepest or 0.0) - law.residual)
-    least = max(least, ROUNDED_TOLERANCES * PLACE_ROUNDING)
+    least = max(LEAST_UNLOADING * ((law.deepest or 0.0) - law.residual), LEAST_REMAINDER)
     if quiet and penetration - law.residual < least:
         return Outcome.REBOUND
     turned = before != (law.loading, spring.slip)
