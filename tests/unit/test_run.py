@@ -229,6 +229,21 @@ class TestScaleAndRepetition:
         assert np.array_equal(first.rates * 2.0**8, second.rates)
 
 
+def test_a_swing_past_the_retraction_limit_and_back_within_one_interval_ends_there() -> None:
+    """The bristle swings forward to 92 degrees from the radial direction; the limit is 90. At 3e-5 both ends of an interval are below it."""
+    tool = TOOL.replace(
+        hub_speed=97.6,
+        belt_stiffness=0.00166,
+        hub_radius=0.0228,
+        knee_angle_deg=74.2,
+        knee_position=0.758,
+    )
+    start = {"start_hub_angle": -1.72, "start_relative_rate": 510.0}
+    coarse, fine = (simulate(tool, Settings(accuracy=each), **start) for each in (3e-5, 1e-8))
+    assert coarse.stop_reason is fine.stop_reason is StopReason.RETRACTION_LIMIT
+    assert coarse.time[-1] == pytest.approx(fine.time[-1], rel=3e-5)
+
+
 def test_what_a_law_says_of_a_later_contact_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """The run up to a contact that a law cannot resolve is a result, with the law's advice."""
     resolve = EnergeticLaw.resolve

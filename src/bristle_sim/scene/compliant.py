@@ -140,8 +140,7 @@ class CompliantLaw(ContactLaw):
         if self.stiffness is None and self.finite_duration and scene.effects.hinge[0]:
             self.stiffness = rigid_stiffness(scene.mechanism, state, touch, pair, duration)
         # The stiffness is a property of the surface, so later touches have the same stiffness. In
-        # the rigid-body limit each touch of a single link has its own stiffness, which determines
-        # the duration alone.
+        # the rigid-body limit each touch has its own, which determines the duration alone.
         stiffness = self.stiffness or stiffness_for_duration(rigid, approach, restitution, duration)
         self.stiffness = self.stiffness if self.duration is None else stiffness
         longest = min(2.0 * duration / SAMPLES_OF_A_COURSE, damped_interval(scene))

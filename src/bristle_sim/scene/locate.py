@@ -35,9 +35,9 @@ LONGEST_OF_A_FORCE = 0.025
 Extrapolation from the steps h/4, h/5, h/6 and h/7 leaves an error of h^4/840 times the force's
 fourth derivative, which no error estimate includes."""
 
+# A force's zero is located in a shorter interval, which begins at this fraction of the zero's time.
 BEFORE_ZERO = 0.95
-"""Beginning of the shorter interval in which a force's zero is located, as a fraction of the time
-to the zero. This time is estimated by linear interpolation of the force in the longer interval."""
+LEAST_BEFORE = 2.5e-5  # its least beginning, in time scales; a zero at the start is passed
 
 # Least time of an extreme, as a fraction of the interval; an earlier extreme is ignored.
 EARLIEST_EXTREME = 0.01
@@ -101,7 +101,7 @@ def first_change(
     Without an event return the whole interval and None.
     """
     first = None
-    longest = LONGEST_OF_A_FORCE * system.plan.time_scale
+    least, longest = (system.plan.time_scale * each for each in (LEAST_BEFORE, LONGEST_OF_A_FORCE))
     for event in events:
         if interval.length <= interval.instant:
             break
@@ -111,7 +111,7 @@ def first_change(
             # A force's zero is located in a short interval that begins before it.
             left, right = ends
             zero = part.length * left / (left - right)
-            part = part.up_to(part.integrate_to(max(BEFORE_ZERO * zero, 1e-3 * longest)))
+            part = part.up_to(part.integrate_to(max(BEFORE_ZERO * zero, least)))
             ends = _change(event, part)
             if ends is None:
                 interval = part

@@ -26,7 +26,7 @@ hub within the interval. In an interval of a radian it swings past both ends by 
 of its amplitude, 0.2 rad."""
 
 LONGEST_TURN = 1.0
-"""Longest interval, in radians of the fastest motion. The value of each event changes sign at most
+"""Longest interval, in radians of the fastest motion. The value of most events changes sign at most
 once in it, and the cubic polynomial through the states at its ends has an error of at most 1/384 of
 the motion's amplitude."""
 
