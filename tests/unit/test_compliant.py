@@ -202,6 +202,17 @@ def test_rods_of_very_different_masses_follow_the_rigid_body_law(ratio: float) -
     assert found.rates_after == pytest.approx(limit.rates_after, rel=0.0, abs=1e-5 * 0.2)
 
 
+def test_a_rebound_slower_than_the_accuracy_is_that_of_the_rigid_body_law() -> None:
+    """Its motion is the state before and the state after, as that of an impact without duration."""
+    surface = Surface(0.3, None, 0.002)
+    settings = Settings(accuracy=1e-2)
+    limit, found = (
+        strike(PAIR, surface, Contact(law), settings) for law in ("energetic", "compliant")
+    )
+    assert found.contact.duration == 0.0
+    assert found.kinetic_energy.tolist() == limit.kinetic_energy.tolist()
+
+
 @pytest.mark.parametrize(("speed", "restitution"), [(262.0, 0.4), (120.0, 0.1)])
 def test_a_tip_comes_to_rest_by_the_rebounds_of_the_rigid_body_law(
     speed: float, restitution: float

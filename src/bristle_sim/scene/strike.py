@@ -208,7 +208,8 @@ def struck(
     if recording.stop_reason in UNSOLVED:
         raise ValueError(UNSOLVED[recording.stop_reason])
     ((record, _), *_) = recording.contacts
-    return record, recording.states[1:]  # the contact begins with a second sample of the start
+    # A contact with a duration begins with a second sample of the start.
+    return record, recording.states[1:] if record.duration else recording.states
 
 
 def strike_wire(
