@@ -234,3 +234,26 @@ def test_slip_that_stops_and_returns_within_an_interval_is_not_missed(accuracy: 
     reference = simulate_reference(tool, accuracy=1e-9)
     release = reference.event_time("workpart release")
     assert scene.event_time("workpart release") == pytest.approx(release, rel=1e-6)
+
+
+def test_a_tip_that_sticks_slips_where_friction_is_exceeded_for_a_moment() -> None:
+    """Links that vibrate by a radian in 89 us. The force in stick exceeds friction for less; the tip slips for 50 us."""
+    wire = Tool().replace(
+        hub_speed=0.0,
+        friction=0.725,
+        restitution=0.0,
+        belt_stiffness=0.0617,
+        wire_links=3,
+        wire_modulus=8e9,
+        wire_damping_ratio=0.05,
+    )
+    start = {
+        "start_hub_angle": -0.135,
+        "start_relative_angle": 0.828,
+        "start_relative_rate": 21.4,
+    }
+    tool = replace(wire, bar=None)
+    found = simulate(tool, Settings(accuracy=1e-6), **start)
+    expected = simulate_reference(tool, accuracy=1e-8, **start)
+    assert found.angles[-1] == pytest.approx(expected.angles[-1], rel=0.0, abs=1e-6)
+    assert found.contacts[-1].impulse == pytest.approx(expected.contacts[-1].impulse, rel=1e-6)

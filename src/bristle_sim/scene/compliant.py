@@ -51,7 +51,7 @@ thirty intervals add up to the accuracy."""
 # contact rounding error decides when the contact ends, and the rigid-body law is more accurate.
 LEAST_DEPTH = 1e-13
 
-SLOWEST = 100.0
+SLOWEST_REBOUND = 100.0
 """Least rebound speed of a contact in the rigid-body limit, as a multiple of the velocity error
 permitted in an interval. In a slower contact the error decides how the contact ends, and the
 rigid-body law is more accurate."""
@@ -149,11 +149,11 @@ class CompliantLaw(ContactLaw):
             rigid = impact_at(point, velocity, pair, compliance)
             rate = math.sqrt(stiffness / compliance * tangential)
             longest = min(longest, math.pi / (SAMPLES_OF_A_SWING * rate))
-        # Changes of the links' angular velocities when the normal velocity changes by 1.
+        # Largest change of a link's angular velocity while the normal velocity changes by 1
         turning = rounding * max(1.0, *(abs(each) / normal for each in point.response[0]))
         least = turning * FORCE_ROUNDING / (duration * unloading)
         tolerance = fastest * max(CONTACT_FRACTION * self.accuracy, least)
-        if not self.finite_duration and -approach * unloading < SLOWEST * tolerance:
+        if not self.finite_duration and -approach * unloading < SLOWEST_REBOUND * tolerance:
             return None
         law = ContactSpring(
             stiffness, restitution, pair.friction, pair.restitution_friction, compliance
